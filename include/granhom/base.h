@@ -1,0 +1,149 @@
+/* granhom: status and error text, log and progress, tensors. SPDX-License-Identifier: GPL-2.0-or-later
+ *
+ * Conventions of the whole library
+ *  - Every public name starts with gh_; object, then verb: gh_rve_evaluate(). Inputs first, results last.
+ *  - A function that can fail returns gh_status and leaves a sentence in the context (gh_message()).
+ *  - Objects are opaque, made by X_create(..., &x) and freed by X_destroy(&x), which takes NULL and sets
+ * NULL.
+ *  - Second-order tensors are double[4], row-major: F11 F12 F21 F22. The tangent A_iJkL = dP_iJ/dF_kL is
+ * double[16] with index 8 i + 4 J + 2 k + L. A cell is double[4] too; its COLUMNS are the lattice vectors.
+ *  - Plane problems of unit thickness: stress is force per length; pressure is negative.
+ *  - No globals, no printing, no exit: the driver prints, through the sinks that it sets.
+ */
+#ifndef GRANHOM_BASE_H
+#define GRANHOM_BASE_H
+
+#include <math.h>
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdio.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* One line per error: name, exit status of a program that stops for it, meaning. */
+#define GH_STATUS_LIST(X)                                                                                    \
+  X(GH_OK, 0, "done")                                                                                        \
+  X(GH_INPUT, 2, "the input is wrong")                                                                       \
+  X(GH_DIVERGED, 1, "the computation did not converge")                                                      \
+  X(GH_SYSTEM, 1, "the operating system refused")                                                            \
+  X(GH_MEMORY, 1, "out of memory")                                                                           \
+  X(GH_ENGINE, 1, "the engine reported an error")                                                            \
+  X(GH_INTERNAL, 1, "an internal check failed")
+
+typedef enum gh_status {
+#define GH_X(name, exit_status, text) name,
+  GH_STATUS_LIST(GH_X)
+#undef GH_X
+} gh_status;
+
+/* Exit status of a program that ends with s: 0, 1 (computation) or 2 (input). */
+int gh_exit_status(gh_status s);
+/* Meaning of s in a few words; never NULL. */
+const char *gh_status_text(gh_status s);
+
+/* ---- context: the last message, the log and the progress sink; one per thread of control ---- */
+
+typedef struct gh_context gh_context;
+
+typedef enum gh_level { GH_LEVEL_DEBUG, GH_LEVEL_INFO, GH_LEVEL_WARNING } gh_level;
+
+/* Receives one line without newline. */
+typedef void gh_log_sink(void *data, gh_level level, const char *line);
+
+/* A progress report: what is done, how far, how fast, how long still (seconds; NAN while unknown). */
+typedef struct gh_progress {
+  const char *label; /* "confine" */
+  const char *unit;  /* "steps" */
+  double done, total;
+  double rate;    /* units per second; NAN while unknown */
+  double seconds; /* since the begin */
+  double left;    /* estimate of the seconds left; NAN while unknown */
+  bool end;       /* the last report of this work */
+} gh_progress;
+typedef void gh_progress_sink(void *data, const gh_progress *report);
+
+gh_status gh_context_create(gh_context **ctx);
+void gh_context_destroy(gh_context **ctx);
+/* Text of the last failure; "" when there was none. Valid until the next failure. */
+const char *gh_message(const gh_context *ctx);
+void gh_set_log(gh_context *ctx, gh_log_sink *sink, void *data);
+void gh_set_progress(gh_context *ctx, gh_progress_sink *sink, void *data);
+
+#define GH_PRINTF(f, a) __attribute__((format(printf, f, a)))
+
+/* Stores the message (what, where, which value, which limit) and returns s, so that callers write
+ * `return gh_fail(ctx, GH_INPUT, "%s:%d: ...", file, line);` */
+gh_status gh_fail(gh_context *ctx, gh_status s, const char *format, ...) GH_PRINTF(3, 4);
+/* Puts text before the stored message: "integration point 17: " + message. Returns s. */
+gh_status gh_prefix(gh_context *ctx, gh_status s, const char *format, ...) GH_PRINTF(3, 4);
+void gh_log(gh_context *ctx, gh_level level, const char *format, ...) GH_PRINTF(3, 4);
+
+/* Returns from the calling function when call fails. */
+#define GH_TRY(call)                                                                                         \
+  do {                                                                                                       \
+    gh_status gh_try_status_ = (call);                                                                       \
+    if (gh_try_status_ != GH_OK) return gh_try_status_;                                                      \
+  } while (0)
+/* The same with a clean-up label: sets `status` and jumps. */
+#define GH_TRY_OR(call, label)                                                                               \
+  do {                                                                                                       \
+    status = (call);                                                                                         \
+    if (status != GH_OK) goto label;                                                                         \
+  } while (0)
+
+/* Zeroed memory for count objects of size bytes; *p is NULL after a failure. GH_MEMORY names the size. */
+gh_status gh_alloc(gh_context *ctx, size_t count, size_t size, void *p);
+/* Grows *p (an array of *capacity objects of size bytes) so that it holds at least need objects. */
+gh_status gh_grow(gh_context *ctx, size_t need, size_t size, size_t *capacity, void *p);
+
+/* ---- progress ---- */
+
+typedef struct gh_work {
+  const char *label, *unit;
+  double total, start, last;
+} gh_work;
+void gh_work_begin(gh_context *ctx, gh_work *w, const char *label, const char *unit, double total);
+void gh_work_advance(gh_context *ctx, gh_work *w, double done); /* at most ten reports a second */
+void gh_work_end(gh_context *ctx, gh_work *w, double done);
+
+/* Seconds of a monotonic clock. */
+double gh_seconds(void);
+
+/* ---- tensors of the plane ---- */
+
+static inline double gh_det2(const double a[4]) {
+  return a[0] * a[3] - a[1] * a[2];
+}
+static inline void gh_mul2(const double a[4], const double b[4], double c[4]) { /* c = a b; c may be a or b */
+  double r[4] = {a[0] * b[0] + a[1] * b[2], a[0] * b[1] + a[1] * b[3], a[2] * b[0] + a[3] * b[2],
+                 a[2] * b[1] + a[3] * b[3]};
+  for (int k = 0; k < 4; k++) c[k] = r[k];
+}
+static inline void gh_inv2(const double a[4], double b[4]) { /* b = a^-1; b may be a; a must be regular */
+  double d = 1 / gh_det2(a), r[4] = {a[3] * d, -a[1] * d, -a[2] * d, a[0] * d};
+  for (int k = 0; k < 4; k++) b[k] = r[k];
+}
+static inline void gh_apply2(const double a[4], const double x[2], double y[2]) { /* y = a x; y may be x */
+  double y0 = a[0] * x[0] + a[1] * x[1], y1 = a[2] * x[0] + a[3] * x[1];
+  y[0] = y0;
+  y[1] = y1;
+}
+/* Cauchy stress s = P F^T / det F. */
+static inline void gh_cauchy2(const double P[4], const double F[4], double s[4]) {
+  double J = gh_det2(F);
+  double r[4] = {(P[0] * F[0] + P[1] * F[1]) / J, (P[0] * F[2] + P[1] * F[3]) / J,
+                 (P[2] * F[0] + P[3] * F[1]) / J, (P[2] * F[2] + P[3] * F[3]) / J};
+  for (int k = 0; k < 4; k++) s[k] = r[k];
+}
+static inline bool gh_finite(const double *a, size_t n) {
+  for (size_t k = 0; k < n; k++)
+    if (!isfinite(a[k])) return false;
+  return true;
+}
+
+#ifdef __cplusplus
+}
+#endif
+#endif

@@ -1,0 +1,14 @@
+/* granhom: all public headers. SPDX-License-Identifier: GPL-2.0-or-later */
+#ifndef GRANHOM_H
+#define GRANHOM_H
+#define GH_VERSION "0.1.0"
+#include "granhom/base.h"
+#include "granhom/contact.h"
+#include "granhom/engine.h"
+#include "granhom/farm.h"
+#include "granhom/io.h"
+#include "granhom/macro.h"
+#include "granhom/micro.h"
+#include "granhom/packing.h"
+#include "granhom/scene.h"
+#endif

@@ -1,0 +1,126 @@
+/* granhom: file formats; nothing of mechanics. SPDX-License-Identifier: GPL-2.0-or-later
+ * All errors carry the file's name and, for text, the line: "block.yaml:12: ...". Readers give GH_INPUT,
+ * writers GH_SYSTEM. */
+#ifndef GRANHOM_IO_H
+#define GRANHOM_IO_H
+
+#include "granhom/base.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* ---- numbers in text ---- */
+
+/* The whole of text as a finite number / an integer in [low, high]; false otherwise. */
+bool gh_parse_number(const char *text, double *value);
+bool gh_parse_integer(const char *text, long low, long high, long *value);
+
+/* ---- CSV: a header line and rows of numbers ---- */
+
+typedef struct gh_csv {
+  int nrows, ncols;
+  char **names;  /* ncols */
+  double *value; /* nrows x ncols */
+  int *line;     /* nrows: line in the file */
+} gh_csv;
+/* "-" is standard input. Blank lines and lines that start with # are passed over; spaces around fields and CR
+ * LF are allowed. An empty field is an error. */
+gh_status gh_csv_read(gh_context *ctx, const char *path, gh_csv **csv);
+void gh_csv_destroy(gh_csv **csv);
+int gh_csv_find(const gh_csv *csv, const char *name); /* column, -1 when there is none */
+
+/* ---- LAMMPS data files, atom_style sphere ---- */
+
+typedef struct gh_lammps_data {
+  int natoms, ntypes;
+  double low[3], high[3];         /* xlo xhi ... */
+  double xy, xz, yz;              /* tilt */
+  int *id, *type, *line;          /* natoms; line of the file */
+  double *diameter, *density, *x; /* natoms; x is natoms x 3 */
+} gh_lammps_data;
+/* Reads header, box, Atoms (id type diameter density x y z, with or without three image flags); other
+ * sections (Masses, Velocities) are passed over. Errors: missing file, truncated (fewer atoms than the header
+ * says), empty, a number that is none or not finite, unknown atom style in "Atoms # style", type out of
+ * range, low >= high. Meaning of the values (radius, ids, z) is checked by the packing. */
+gh_status gh_lammps_data_read(gh_context *ctx, const char *path, gh_lammps_data **data);
+gh_status gh_lammps_data_write(gh_context *ctx, const char *path, const char *title,
+                               const gh_lammps_data *data);
+void gh_lammps_data_destroy(gh_lammps_data **data);
+
+/* ---- text files that appear whole or not at all ---- */
+
+/* Collects text in memory; commit writes path.tmp, fsyncs, renames. Printing never fails before commit. */
+typedef struct gh_text gh_text;
+gh_status gh_text_create(gh_context *ctx, gh_text **text);
+void gh_text_destroy(gh_text **text);
+void gh_text_print(gh_text *text, const char *format, ...) GH_PRINTF(2, 3);
+const char *gh_text_get(const gh_text *text, size_t *length);
+gh_status gh_text_commit(gh_text *text, const char *path); /* may be called again after more printing */
+/* Flushes path.tmp-like files of other writers: fsync(tmp), rename(tmp, path), fsync(folder). */
+gh_status gh_file_replace(gh_context *ctx, const char *tmp, const char *path);
+/* Makes a folder (and its parents). GH_INPUT when path is a file, GH_SYSTEM otherwise. */
+gh_status gh_folder_make(gh_context *ctx, const char *path);
+/* dir + "/" + name; name alone when it is absolute. Caller frees. NULL when out of memory. */
+char *gh_path_join(const char *dir, const char *name);
+/* Folder of a path ("." when it has none). Caller frees. */
+char *gh_path_folder(const char *path);
+
+/* ---- YAML (libyaml) ---- */
+
+typedef struct gh_yaml gh_yaml;
+/* A place in a document; a value with node 0 is absent. Copy freely; belongs to the document. */
+typedef struct gh_yaml_node {
+  const gh_yaml *doc;
+  int node;
+} gh_yaml_node;
+gh_status gh_yaml_read(gh_context *ctx, const char *path, gh_yaml **doc);
+void gh_yaml_destroy(gh_yaml **doc);
+gh_yaml_node gh_yaml_root(const gh_yaml *doc);
+int gh_yaml_line(gh_yaml_node node);
+const char *gh_yaml_path(gh_yaml_node node); /* the file's name */
+bool gh_yaml_is_map(gh_yaml_node node);
+bool gh_yaml_is_list(gh_yaml_node node);
+bool gh_yaml_is_scalar(gh_yaml_node node);
+/* GH_INPUT with file:line: message. */
+gh_status gh_yaml_fail(gh_yaml_node node, const char *format, ...) GH_PRINTF(2, 3);
+/* The map's keys must be among `known` (ends with NULL) and occur once; the message names the nearest known
+ * key. */
+gh_status gh_yaml_keys(gh_yaml_node map, const char *const *known);
+/* Value of a key; absent (node 0) when the map has no such key. */
+gh_yaml_node gh_yaml_get(gh_yaml_node map, const char *key);
+bool gh_yaml_has(gh_yaml_node node); /* present */
+int gh_yaml_length(gh_yaml_node list_or_map);
+gh_yaml_node gh_yaml_item(gh_yaml_node list, int k);
+const char *gh_yaml_key(gh_yaml_node map, int k, gh_yaml_node *value);
+/* Typed values; `what` names the value in messages ("pressure"). Ranges are inclusive. */
+gh_status gh_yaml_number(gh_yaml_node node, const char *what, double low, double high, double *value);
+gh_status gh_yaml_integer(gh_yaml_node node, const char *what, long low, long high, long *value);
+gh_status gh_yaml_bool(gh_yaml_node node, const char *what, bool *value);
+gh_status gh_yaml_text(gh_yaml_node node, const char *what, const char **value);
+gh_status gh_yaml_numbers(gh_yaml_node node, const char *what, int n, double *values);
+
+/* ---- HDF5 ---- */
+
+typedef struct gh_h5 gh_h5;
+/* Opens path for change by way of path.tmp (a copy when path exists and append is true); gh_h5_commit renames
+ * it into place. */
+gh_status gh_h5_open(gh_context *ctx, const char *path, bool append, gh_h5 **file);
+/* Opens for reading. GH_INPUT: missing or no HDF5 file. */
+gh_status gh_h5_read(gh_context *ctx, const char *path, gh_h5 **file);
+/* Datasets; groups in the name are made as needed ("/step0003/P"). cols 1: a vector. */
+gh_status gh_h5_put_doubles(gh_h5 *file, const char *name, size_t rows, size_t cols, const double *data);
+gh_status gh_h5_put_ints(gh_h5 *file, const char *name, size_t rows, size_t cols, const int *data);
+gh_status gh_h5_put_text(gh_h5 *file, const char *name, const char *text);
+/* Rows and columns of a dataset (cols 1 for a vector); GH_INPUT when it is missing. */
+gh_status gh_h5_size(gh_h5 *file, const char *name, size_t *rows, size_t *cols);
+gh_status gh_h5_get_doubles(gh_h5 *file, const char *name, size_t rows, size_t cols, double *data);
+gh_status gh_h5_get_ints(gh_h5 *file, const char *name, size_t rows, size_t cols, int *data);
+/* Flush, close, fsync, rename. The file is closed afterwards, also when this fails. */
+gh_status gh_h5_commit(gh_h5 **file);
+void gh_h5_close(gh_h5 **file); /* drops what was not committed */
+
+#ifdef __cplusplus
+}
+#endif
+#endif

@@ -1,0 +1,126 @@
+/* granhom: the macro problem: mesh, loads, Newton. SPDX-License-Identifier: GPL-2.0-or-later */
+#ifndef GRANHOM_MACRO_H
+#define GRANHOM_MACRO_H
+
+#include "granhom/farm.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* ---- mesh: bilinear quadrilaterals (Q1), four Gauss points each ---- */
+
+/* A named set on the boundary. Edges run with the body on their left, so that (dy, -dx) points outward. */
+typedef struct gh_mesh_set {
+  char *name;
+  int nnodes, nedges;
+  int *nodes;      /* ascending */
+  int (*edges)[2]; /* may be empty (a set of points, or of inner lines) */
+} gh_mesh_set;
+
+typedef struct gh_mesh {
+  int nnodes, nelements, nsets;
+  double *X;      /* nnodes x 2 */
+  int (*quad)[4]; /* nelements, counter-clockwise */
+  gh_mesh_set *sets;
+} gh_mesh;
+
+/* [low, low + size] with elements[0] x elements[1] equal quadrilaterals; sets left right bottom top. Nodes
+ * row by row from below. */
+gh_status gh_mesh_rectangle(gh_context *ctx, const double low[2], const double size[2], const int elements[2],
+                            gh_mesh **mesh);
+/* Gmsh MSH 2.2 or 4.1 ASCII; 4-node quadrilaterals in the plane z = 0; physical groups of lines and points
+ * become sets (their names, else their numbers). Clockwise quadrilaterals are turned. Errors, GH_INPUT with
+ * file and line: other versions, binary, triangles or quadratic elements, inverted (non-convex)
+ * quadrilaterals, no quadrilateral, nodes missing. Nodes used by no quadrilateral are left out. */
+gh_status gh_mesh_read_gmsh(gh_context *ctx, const char *path, gh_mesh **mesh);
+/* Jacobian > 0 at every Gauss point and every corner angle below 180 degrees, else GH_INPUT naming the
+ * element. */
+gh_status gh_mesh_check(gh_context *ctx, const gh_mesh *mesh);
+/* Index of the set of that name; -1 when there is none. */
+int gh_mesh_find(const gh_mesh *mesh, const char *name);
+/* Reference coordinates (nelements * 4 x 2) of the Gauss points, point 4 e + g. */
+void gh_mesh_gauss(const gh_mesh *mesh, double *XG);
+void gh_mesh_destroy(gh_mesh **mesh);
+
+/* ---- loads: what acts at the end of an increment ---- */
+
+typedef struct gh_loads gh_loads;
+gh_status gh_loads_create(gh_context *ctx, const gh_mesh *mesh, gh_loads **loads);
+void gh_loads_destroy(gh_loads **loads);
+void gh_loads_clear(gh_loads *loads);
+/* Displacement component dir (0 x, 1 y) of all nodes of a set. A later call for the same node overrides. */
+gh_status gh_loads_displace(gh_loads *loads, int set, int dir, double value);
+/* Pressure > 0 pushes into the body; per reference length and direction (dead), or following the deformed
+ * edge. */
+gh_status gh_loads_pressure(gh_loads *loads, int set, double pressure, bool follow);
+/* Force on each node of a set. */
+gh_status gh_loads_force(gh_loads *loads, int set, const double force[2]);
+/* Weight per reference area. */
+gh_status gh_loads_gravity(gh_loads *loads, const double b[2]);
+
+/* ---- the problem ---- */
+
+typedef struct gh_macro gh_macro;
+
+typedef struct gh_macro_options {
+  double tolerance;   /* |R_free| <= tolerance (|f_ext| + |R_prescribed|); default 1e-8 */
+  int max_iterations; /* default 20 */
+  int cut_steps;      /* how often a failing increment is halved before it is given up; default 6 */
+  bool line_search;   /* default true */
+  bool pass_jumps; /* default true: when the cuts are spent, commit the states beyond a jump of the packings
+                      and go on (method 6) */
+} gh_macro_options;
+gh_macro_options gh_macro_defaults(void);
+
+/* One line of convergence: called after each residual. `iteration` 0 is the residual before the first
+ * correction. */
+typedef struct gh_macro_iteration {
+  int substep, iteration;
+  double residual; /* |R_free| */
+  double scale;    /* |f_ext| + |R_prescribed| */
+  double relative; /* residual / scale */
+  double first;    /* residual / residual of iteration 0 */
+  double step;     /* length of the line search's step that led here; 1 without */
+  double seconds;  /* since the increment began */
+} gh_macro_iteration;
+typedef void gh_macro_watch(void *data, const gh_macro_iteration *it);
+
+typedef struct gh_macro_report {
+  int iterations, substeps, cuts,
+      jumps;                 /* of the increment; jumps: passed discontinuities of the packings (method 6) */
+  double residual, relative; /* at the end */
+  double micro_seconds, seconds;
+} gh_macro_report;
+
+/* The mesh and the farm (4 points per element, point 4 e + g) stay the caller's and must outlive the macro.
+ */
+gh_status gh_macro_create(gh_context *ctx, const gh_mesh *mesh, gh_farm *farm,
+                          const gh_macro_options *options, gh_macro **macro);
+void gh_macro_destroy(gh_macro **macro);
+void gh_macro_set_watch(gh_macro *macro, gh_macro_watch *watch, void *data);
+/* Holds the initial stress: from now on the internal forces at u = 0 act as fixed outer forces. Before the
+ * first solve. */
+gh_status gh_macro_balance(gh_macro *macro);
+/* Finds the equilibrium under `loads` from the last one, and commits. Between the two, dead loads, following
+ * pressures and prescribed displacements go linearly, and the reactions of supports that are released fade
+ * linearly. GH_INPUT: singular for want of supports (names a node and direction). GH_DIVERGED: cuts spent;
+ * the state is that of the last converged part (farm reverted), and the message names the integration point
+ * or the node with the largest residual and the reason. */
+gh_status gh_macro_solve(gh_macro *macro, const gh_loads *loads, gh_macro_report *report);
+
+/* State at the last equilibrium. Arrays belong to the macro. */
+const double *gh_macro_u(const gh_macro *macro);         /* nnodes x 2 */
+const double *gh_macro_F(const gh_macro *macro);         /* npoints x 4 */
+const double *gh_macro_P(const gh_macro *macro);         /* npoints x 4 */
+const double *gh_macro_A(const gh_macro *macro);         /* npoints x 16 */
+const double *gh_macro_reactions(const gh_macro *macro); /* nnodes x 2: force of the supports on the body */
+/* Sum of the reactions over the nodes of a set (corners count for both edges). */
+void gh_macro_reaction(const gh_macro *macro, int set, double sum[2]);
+/* Area of the mesh, reference and current; dilatancy is 100 (v/V - 1). */
+void gh_macro_volumes(const gh_macro *macro, double *V, double *v);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

@@ -1,0 +1,104 @@
+/* granhom: one representative volume element (RVE): F in, Piola stress and tangent out.
+ * SPDX-License-Identifier: GPL-2.0-or-later */
+#ifndef GRANHOM_MICRO_H
+#define GRANHOM_MICRO_H
+
+#include "granhom/engine.h"
+#include "granhom/packing.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+typedef struct gh_rve gh_rve;
+
+/* Boundary conditions (method 2). */
+typedef enum gh_boundary { GH_TAYLOR, GH_TAYLOR_CELL, GH_RESTRICTED, GH_PERIODIC } gh_boundary;
+/* "taylor", "taylor-cell", "restricted", "periodic"; false when the word is none of them. */
+bool gh_boundary_from_name(const char *name, gh_boundary *b);
+const char *gh_boundary_name(gh_boundary b);
+
+typedef struct gh_rve_options {
+  gh_boundary boundary;
+  gh_engine_kind engine;
+  gh_contact_law law;
+  double tolerance; /* residual: largest force on a free grain over the mean normal contact force; > 0,
+                       default 1e-8 */
+  long max_steps;   /* relaxation steps before GH_DIVERGED; 0: the default */
+} gh_rve_options;
+gh_rve_options gh_rve_defaults(void);
+
+enum { GH_WANT_TANGENT = 1 };
+
+/* Everything else that an evaluation knows. */
+typedef struct gh_rve_measures {
+  double F[4], P[4], cauchy[4];
+  double energy;       /* stored contact energy per reference area (5.1) */
+  double residual;     /* reached (method 3) */
+  double mean_force;   /* mean normal contact force */
+  double seconds;      /* of this evaluation */
+  double coordination; /* mean number of contacts per grain that is no rattler; 0 when unjammed */
+  double fabric[3];    /* mean n(x)n over contacts: xx xy yy */
+  double volume_fraction;
+  double acoustic;       /* smallest eigenvalue of N.A.N over all N; NAN without tangent */
+  double acoustic_angle; /* of N to the x axis, radians */
+  long steps;            /* force evaluations */
+  int contacts, rattlers;
+  int factorisations;
+  int polished;    /* the residual was reached by Newton polish */
+  int unjammed;    /* no contact force: P = 0, A = 0 */
+  int regularised; /* the tangent's matrix was not positive definite and was shifted */
+} gh_rve_measures;
+
+/* Where the time of an RVE went since it was made, seconds and counts. */
+typedef struct gh_rve_cost {
+  double relax, contacts, factorise, total;
+  long evaluations, steps, factorisations, analyses;
+} gh_rve_cost;
+
+/* Makes an RVE whose converged state is the packing as read (F = I, no fluctuation). The packing is copied.
+ * Errors: GH_INPUT (options out of range), GH_ENGINE. */
+gh_status gh_rve_create(gh_context *ctx, const gh_packing *packing, const gh_rve_options *options,
+                        gh_rve **rve);
+void gh_rve_destroy(gh_rve **rve);
+/* Finds the equilibrium at F (row-major, det > 0) from the converged state and makes it the trial state. P
+ * (5.3-5.6) and, where `want` asks, A (6.3, 6.7, 6.18, 6.19); A may be NULL otherwise. GH_INPUT: det F <= 0
+ * or not finite. GH_DIVERGED: no equilibrium within max_steps. */
+gh_status gh_rve_evaluate(gh_rve *rve, const double F[4], unsigned want, double P[4], double A[16]);
+gh_status gh_rve_commit(
+    gh_rve *rve); /* trial state becomes the converged state; without a trial state nothing happens */
+gh_status gh_rve_revert(gh_rve *rve); /* trial state is dropped */
+/* Of the last evaluation. */
+const gh_rve_measures *gh_rve_measure(const gh_rve *rve);
+void gh_rve_costs(const gh_rve *rve, gh_rve_cost *cost);
+
+/* Piola stress from the forces on the boundary (5.16, 5.19, 5.22) of the last evaluation; equals P in
+ * equilibrium. */
+gh_status gh_rve_boundary_stress(gh_rve *rve, double P[4]);
+/* Members of the last evaluation: number, current positions (n x 2), radii, primary grain and image (n x 2),
+ * flags (1 rattler, 2 held, 4 replica), contacts. Periodic: the primaries alone, and `cell` holds the current
+ * lattice vectors. Pointers belong to the RVE, valid until the next call. */
+typedef struct gh_rve_view {
+  int n, ncontacts;
+  const double *x, *radius;
+  const int *grain, *type, *id;
+  const unsigned char *flags;
+  const gh_contact *contacts;
+  double cell[4], low[2];
+  bool periodic;
+} gh_rve_view;
+gh_status gh_rve_look(gh_rve *rve, gh_rve_view *view);
+
+/* The converged state as a flat buffer of doubles: F (4), then fluctuated reference positions (n x 2). */
+size_t gh_rve_state_size(const gh_rve *rve);
+gh_status gh_rve_save(const gh_rve *rve, double *state);
+gh_status gh_rve_load(gh_rve *rve, const double *state);
+
+/* Smallest eigenvalue of the symmetric part of Q_ik = A_iJkL N_J N_L over all unit N (method 7), and the
+ * angle of that N. */
+double gh_acoustic(const double A[16], double *angle);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

@@ -1,0 +1,26 @@
+#!/bin/sh
+# Installs the Debian packages that granhom needs and that are missing. Asks for root only when something is missing.
+# SPDX-License-Identifier: GPL-2.0-or-later
+set -eu
+build="gcc g++ make pkg-config lammps liblammps-dev libsuitesparse-dev libopenmpi-dev openmpi-bin libhdf5-openmpi-dev libyaml-dev libcjson-dev libcairo2-dev gnuplot-nox"
+check="libcmocka-dev python3-minimal python3-meshio python3-vtk9 python3-h5py valgrind"
+wanted=$build
+[ "${1:-}" = check ] && wanted="$build $check"
+missing=
+for p in $wanted; do
+  dpkg-query -W -f='${Status}' "$p" 2>/dev/null | grep -q 'ok installed' || missing="$missing $p"
+done
+[ -z "$missing" ] && exit 0
+if ! command -v apt-get >/dev/null 2>&1; then
+  echo "granhom: needs the Debian packages$missing, and there is no apt-get here: please install them" >&2
+  exit 1
+fi
+root=
+if [ "$(id -u)" != 0 ]; then
+  command -v sudo >/dev/null 2>&1 || { echo "granhom: run this as root once: apt-get install$missing" >&2; exit 1; }
+  root=sudo
+fi
+echo "granhom: installing$missing"
+$root apt-get update -qq
+# shellcheck disable=SC2086
+$root env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends $missing >/dev/null

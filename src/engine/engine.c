@@ -1,0 +1,97 @@
+/* Dispatch to the engines, and the checks that all of them need. SPDX-License-Identifier: GPL-2.0-or-later */
+#include "engine/ops.h"
+
+#include <stdlib.h>
+
+struct gh_engine {
+  gh_context *ctx;
+  const gh_engine_ops *ops;
+  void *self;
+  int n;
+  bool periodic;
+};
+
+static gh_status check_setup(gh_context *ctx, const gh_engine_setup *s) {
+  if (s->n < 1) return gh_fail(ctx, GH_INPUT, "an engine needs at least one grain, not %d", s->n);
+  double E = s->law.normal_stiffness;
+  if (!(E > 0) || !isfinite(E))
+    return gh_fail(ctx, GH_INPUT, "the normal stiffness must be positive and finite, not %g", E);
+  for (int i = 0; i < s->n; i++) {
+    if (!(s->radius[i] > 0) || !isfinite(s->radius[i]))
+      return gh_fail(ctx, GH_INPUT, "the radius of grain %d must be positive and finite, not %g", i + 1,
+                     s->radius[i]);
+    if (s->type && s->type[i] < 1)
+      return gh_fail(ctx, GH_INPUT, "the type of grain %d must be 1 or more, not %d", i + 1, s->type[i]);
+  }
+  return GH_OK;
+}
+
+gh_status gh_engine_create(gh_context *ctx, gh_engine_kind kind, const gh_engine_setup *setup,
+                           gh_engine **engine) {
+  *engine = NULL;
+  GH_TRY(check_setup(ctx, setup));
+  gh_engine *e;
+  GH_TRY(gh_alloc(ctx, 1, sizeof *e, &e));
+  *e = (gh_engine){.ctx = ctx,
+                   .ops = kind == GH_ENGINE_LAMMPS ? &gh_lammps_ops : &gh_native_ops,
+                   .n = setup->n,
+                   .periodic = setup->periodic};
+  gh_status s = e->ops->create(ctx, setup, &e->self);
+  if (s != GH_OK) {
+    free(e);
+    return s;
+  }
+  *engine = e;
+  return GH_OK;
+}
+
+void gh_engine_destroy(gh_engine **engine) {
+  if (!engine || !*engine) return;
+  (*engine)->ops->destroy((*engine)->self);
+  free(*engine);
+  *engine = NULL;
+}
+
+const char *gh_engine_name(const gh_engine *e) {
+  return e->ops->name;
+}
+
+static gh_status check_positions(const gh_engine *e, const double *x) {
+  for (int i = 0; i < e->n; i++)
+    if (!isfinite(x[2 * i]) || !isfinite(x[2 * i + 1]))
+      return gh_fail(e->ctx, GH_INPUT, "the position of grain %d is not finite: (%g, %g)", i + 1, x[2 * i],
+                     x[2 * i + 1]);
+  return GH_OK;
+}
+
+gh_status gh_engine_set(gh_engine *e, const double cell[4], const double *x) {
+  if (e->periodic && (!gh_finite(cell, 4) || !(gh_det2(cell) > 0)))
+    return gh_fail(e->ctx, GH_INPUT, "the cell [%g %g; %g %g] must be finite with a positive determinant",
+                   cell[0], cell[1], cell[2], cell[3]);
+  GH_TRY(check_positions(e, x));
+  return e->ops->set(e->self, cell, x);
+}
+
+gh_status gh_engine_move(gh_engine *e, const double *x) {
+  GH_TRY(check_positions(e, x));
+  return e->ops->move(e->self, x);
+}
+
+gh_status gh_engine_relax(gh_engine *e, const gh_relax_options *options, gh_relax_result *result) {
+  GH_TRY(e->ops->relax(e->self, options, result));
+  if (!isfinite(result->residual) || !isfinite(result->mean_force))
+    return gh_fail(e->ctx, GH_DIVERGED,
+                   "relaxation gave a residual that is not finite (two grains at one place?)");
+  return GH_OK;
+}
+
+gh_status gh_engine_contacts(gh_engine *e, const gh_contact **contacts, int *count, const double **force) {
+  return e->ops->contacts(e->self, contacts, count, force);
+}
+
+gh_status gh_engine_get(gh_engine *e, double *x) {
+  return e->ops->get(e->self, x);
+}
+void gh_engine_costs(const gh_engine *e, gh_engine_cost *cost) {
+  e->ops->costs(e->self, cost);
+}

@@ -1,0 +1,30 @@
+/* What an engine must be able to do; the private side of include/granhom/engine.h. SPDX-License-Identifier:
+ * GPL-2.0-or-later */
+#ifndef GRANHOM_ENGINE_OPS_H
+#define GRANHOM_ENGINE_OPS_H
+
+#include "granhom/engine.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+typedef struct gh_engine_ops {
+  const char *name;
+  gh_status (*create)(gh_context *ctx, const gh_engine_setup *setup, void **self);
+  void (*destroy)(void *self);
+  gh_status (*set)(void *self, const double cell[4], const double *x);
+  gh_status (*move)(void *self, const double *x);
+  gh_status (*relax)(void *self, const gh_relax_options *options, gh_relax_result *result);
+  gh_status (*contacts)(void *self, const gh_contact **contacts, int *count, const double **force);
+  gh_status (*get)(void *self, double *x);
+  void (*costs)(const void *self, gh_engine_cost *cost);
+} gh_engine_ops;
+
+extern const gh_engine_ops gh_native_ops; /* src/engine/native/ */
+extern const gh_engine_ops gh_lammps_ops; /* src/engine/lammps/ */
+
+#ifdef __cplusplus
+}
+#endif
+#endif

@@ -1,0 +1,152 @@
+/* Dynamic relaxation on a list of neighbour pairs (dissertation 4.4). SPDX-License-Identifier:
+ * GPL-2.0-or-later */
+#include "engine/relax.h"
+
+#include "contact/normal.h"
+
+#include <math.h>
+#include <stdbool.h>
+#include <string.h>
+
+enum { BOUND_EVERY = 32 }; /* steps between two bounds of the largest eigenvalue */
+
+/* Work space: forces of the pairs (2 npairs), old forces (2 n), stiffness blocks (3 n). */
+size_t gh_relax_work(int n, int npairs) {
+  return 2 * (size_t)npairs + 5 * (size_t)n;
+}
+
+/* Forces of all pairs, without branches so that it vectorises; returns the sum of the normal forces, counts
+ * the contacts. */
+static double pair_forces(const gh_pair *restrict pairs, int npairs, double E, const double *restrict x,
+                          double *restrict pf, int *count) {
+  double sum = 0;
+  int contacts = 0;
+  for (int p = 0; p < npairs; p++) {
+    const gh_pair *q = &pairs[p];
+    double lx = x[2 * q->j] - x[2 * q->i] + q->shift[0], ly = x[2 * q->j + 1] - x[2 * q->i + 1] + q->shift[1];
+    double d = sqrt(lx * lx + ly * ly), e = q->reach - d;
+    int touch = e >= 0;
+    e = touch ? e : 0;
+    double factor = gh_normal_factor(E, e, d);
+    pf[2 * p] = factor * lx;
+    pf[2 * p + 1] = factor * ly;
+    sum += e;
+    contacts += touch;
+  }
+  *count = contacts;
+  return E * sum;
+}
+
+/* Adds the forces of the pairs to the grains. Pairs are sorted by i: that side is summed in registers. */
+static void gather(const gh_relax_state *s, const double *restrict pf) {
+  double *restrict f = s->f;
+  memset(f, 0, 2 * (size_t)s->n * sizeof *f);
+  for (int p = 0; p < s->npairs;) {
+    int i = s->pairs[p].i;
+    double fx = 0, fy = 0;
+    for (; p < s->npairs && s->pairs[p].i == i; p++) {
+      int j = s->pairs[p].j;
+      fx += pf[2 * p];
+      fy += pf[2 * p + 1];
+      f[2 * j] -= pf[2 * p];
+      f[2 * j + 1] -= pf[2 * p + 1];
+    }
+    f[2 * i] += fx;
+    f[2 * i + 1] += fy;
+  }
+}
+
+double gh_relax_forces(gh_relax_state *s, double *mean_force) {
+  int count;
+  double sum = pair_forces(s->pairs, s->npairs, s->stiffness, s->x, s->work, &count), largest = 0;
+  gather(s, s->work);
+  for (int i = 0; i < s->n; i++) {
+    double f2 = s->f[2 * i] * s->f[2 * i] + s->f[2 * i + 1] * s->f[2 * i + 1];
+    if (f2 > largest && !(s->held && s->held[i])) largest = f2;
+  }
+  *mean_force = count ? sum / count : 0;
+  return sqrt(largest);
+}
+
+double gh_relax_bound(double kxx, double kxy, double kyy) {
+  return kxx + kyy + sqrt((kxx - kyy) * (kxx - kyy) + 4 * kxy * kxy);
+}
+
+double gh_relax_time_step(double bound) {
+  return 1.8 / sqrt(bound);
+}
+
+/* The quadratic form of a contact in the displacements of its two grains is at most twice the sum of those of
+ * the grains' own blocks. Pairs that nearly touch count too: they may touch before the next bound. */
+static double time_step(const gh_relax_state *s) {
+  double *k = s->work + 2 * (size_t)s->npairs + 2 * (size_t)s->n, bound = s->stiffness;
+  memset(k, 0, 3 * (size_t)s->n * sizeof *k);
+  for (int p = 0; p < s->npairs; p++) {
+    const gh_pair *q = &s->pairs[p];
+    double l[2] = {s->x[2 * q->j] - s->x[2 * q->i] + q->shift[0],
+                   s->x[2 * q->j + 1] - s->x[2 * q->i + 1] + q->shift[1]};
+    double d2 = l[0] * l[0] + l[1] * l[1];
+    if (d2 > 1.01 * q->reach * q->reach) continue;
+    double b[3] = {l[0] * l[0] / d2, l[0] * l[1] / d2, l[1] * l[1] / d2};
+    for (int c = 0; c < 3; c++) {
+      k[3 * q->i + c] += s->stiffness * b[c];
+      k[3 * q->j + c] += s->stiffness * b[c];
+    }
+  }
+  for (int i = 0; i < s->n; i++) {
+    double b = gh_relax_bound(k[3 * i], k[3 * i + 1], k[3 * i + 2]);
+    if (b > bound) bound = b;
+  }
+  return gh_relax_time_step(bound);
+}
+
+/* One step of the free grains with the damping `c`; returns the square of the largest distance from x0. */
+static double advance(gh_relax_state *s, double c, double dt) {
+  double a = s->started ? (2 - c * dt) / (2 + c * dt) : 0, b = s->started ? 2 * dt / (2 + c * dt) : dt / 2,
+         far = 0;
+  for (int i = 0; i < s->n; i++) {
+    double free = s->held && s->held[i] ? 0 : 1, r2 = 0;
+    for (int k = 2 * i; k < 2 * i + 2; k++) {
+      s->v[k] = free * (a * s->v[k] + b * s->f[k]);
+      s->x[k] += dt * s->v[k];
+      r2 += (s->x[k] - s->x0[k]) * (s->x[k] - s->x0[k]);
+    }
+    far = r2 > far ? r2 : far;
+  }
+  s->started = 1;
+  return far;
+}
+
+/* Rayleigh quotient of the last displacement dt v with the change of the forces: a running estimate of the
+ * lowest eigenvalue that is still moving. */
+static double rayleigh(const gh_relax_state *s, const double *old, double dt) {
+  double up = 0, down = 0;
+  for (int k = 0; k < 2 * s->n; k++) {
+    up += s->v[k] * (old[k] - s->f[k]);
+    down += s->v[k] * s->v[k];
+  }
+  return down > 0 && up > 0 ? up / (dt * down) : 0;
+}
+
+gh_relax_end gh_relax_run(gh_relax_state *s, double tolerance, double floor, long max_steps, double *residual,
+                          double *mean_force, long *steps) {
+  double *old = s->work + 2 * (size_t)s->npairs, dt = 0;
+  bool compare = false;
+  for (long k = 0;; k++) {
+    double largest = gh_relax_forces(s, mean_force);
+    ++*steps;
+    *residual = *mean_force > 0 ? largest / *mean_force : 0;
+    if (*mean_force <= floor) return *residual = 0, GH_RELAX_UNJAMMED;
+    if (*residual <= tolerance) return GH_RELAX_CONVERGED;
+    if (k + 1 >= max_steps) return GH_RELAX_STEPS;
+    double c = compare ? 2 * sqrt(rayleigh(s, old, dt)) : 0;
+    if (k % BOUND_EVERY == 0) dt = time_step(s);
+    memcpy(old, s->f, 2 * (size_t)s->n * sizeof *old);
+    double far = advance(s, c, dt);
+    compare = true;
+    if (far > s->slack * s->slack) {
+      gh_relax_forces(s, mean_force);
+      return GH_RELAX_REBUILD;
+    }
+  }
+}

@@ -1,0 +1,64 @@
+/* Dynamic relaxation on a list of neighbour pairs; used by the native engine and by LAMMPS's fix
+ * granhom/relax. SPDX-License-Identifier: GPL-2.0-or-later */
+#ifndef GRANHOM_ENGINE_RELAX_H
+#define GRANHOM_ENGINE_RELAX_H
+
+#include <stddef.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* A candidate pair: grains i and j, j seen at x_j + shift (a sum of lattice vectors). A grain and its own
+ * image exert no net force: such pairs do not belong here. */
+typedef struct gh_pair {
+  int i, j;
+  double shift[2];
+  double reach; /* r_i + r_j */
+} gh_pair;
+
+/* A packing under relaxation. All arrays belong to the caller. */
+typedef struct gh_relax_state {
+  int n;                     /* grains */
+  const unsigned char *held; /* n; NULL: none */
+  int npairs;
+  const gh_pair *pairs; /* sorted by (i, j, shift): the order of summation */
+  double stiffness;
+  double *x, *v, *f; /* n x 2: positions, velocities of the last half step, forces */
+  const double *x0;  /* n x 2: positions at which the pairs were found */
+  double slack;      /* leave when a grain is farther than this from x0 (half the skin) */
+  int started;  /* 0: v is not yet set (4.41); a new relaxation begins with 0, a new pair list goes on with 1
+                 */
+  double *work; /* gh_relax_work(n, npairs) doubles, any content */
+} gh_relax_state;
+
+/* Doubles of work space. */
+size_t gh_relax_work(int n, int npairs);
+
+typedef enum gh_relax_end {
+  GH_RELAX_CONVERGED,
+  GH_RELAX_REBUILD,
+  GH_RELAX_STEPS,
+  GH_RELAX_UNJAMMED
+} gh_relax_end;
+
+/* Runs central differences (4.39), (4.40) with unit masses until the residual is at most `tolerance`, the
+ * list must be made anew, `max_steps` force evaluations are spent, or the mean normal force is at most
+ * `floor`. Time step from a bound of the largest eigenvalue, damping from the running Rayleigh quotient
+ * (4.47). On return f belongs to x. Writes residual and mean force, adds the force evaluations to *steps. */
+gh_relax_end gh_relax_run(gh_relax_state *s, double tolerance, double floor, long max_steps, double *residual,
+                          double *mean_force, long *steps);
+/* Forces at x. Returns the largest force on a free grain; *mean_force is the mean normal contact force (0: no
+ * contact). */
+double gh_relax_forces(gh_relax_state *s, double *mean_force);
+
+/* The parts, for those who must step by themselves (LAMMPS on several ranks). Bound of the largest eigenvalue
+ * for unit masses: twice the largest eigenvalue of a grain's own stiffness block, given as xx xy yy. */
+double gh_relax_bound(double kxx, double kxy, double kyy);
+/* Time step for that bound. */
+double gh_relax_time_step(double bound);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

@@ -1,0 +1,51 @@
+/* What the file formats share: whole files in and out, lines, words. SPDX-License-Identifier: GPL-2.0-or-later */
+#ifndef GRANHOM_IO_FILE_H
+#define GRANHOM_IO_FILE_H
+
+#include "granhom/io.h"
+
+#include <locale.h>
+
+/* ---- text.c: files as a whole ---- */
+
+/* Writes length bytes so that path holds either all of them or what it held before: path.tmp, fsync, rename. A device or a pipe
+ * is written directly, a symbolic link keeps pointing where it did. GH_SYSTEM with the reason. */
+gh_status gh_file_write(gh_context *ctx, const char *path, const void *bytes, size_t length);
+
+/* ---- read.c ---- */
+
+/* A text file in memory, walked line by line. */
+typedef struct gh_reader {
+  const char *path; /* name for messages */
+  char *text;       /* owned; the file and a final 0 */
+  size_t length;
+  char *next; /* what gh_reader_line hands out next */
+  int line;   /* number of the line handed out last */
+} gh_reader;
+
+/* Reads the whole file ("-": standard input). GH_INPUT when it is missing, a folder, empty, binary (a zero byte) or above 2 GiB. A byte
+ * order mark is dropped. The path is not copied. */
+gh_status gh_reader_open(gh_context *ctx, const char *path, gh_reader *reader);
+void gh_reader_close(gh_reader *reader);
+/* The next line without its end (LF or CR LF), to be changed at will; NULL at the end. */
+char *gh_reader_line(gh_reader *reader);
+
+/* Cuts text at white space in place; returns how many words there are, storing the first `max` of them. */
+int gh_words(char *text, int max, char **word);
+/* Takes white space off both ends in place. */
+char *gh_trim(char *text);
+
+enum { GH_QUOTE = 64 };
+/* text made fit for a message: control characters become '?', long texts are cut with "...". Returns out. */
+const char *gh_quote(const char *text, char out[GH_QUOTE]);
+
+/* ---- number.c ---- */
+
+/* Numbers are read and written with a decimal point whatever the locale of the program is. A begin belongs to each end. */
+typedef struct gh_c_locale {
+  locale_t ours, theirs;
+} gh_c_locale;
+gh_c_locale gh_c_locale_begin(void);
+void gh_c_locale_end(gh_c_locale l);
+
+#endif

@@ -1,0 +1,61 @@
+/* Numbers in text: strict, finite, independent of the locale. SPDX-License-Identifier: GPL-2.0-or-later */
+#include "io/file.h"
+
+#include <errno.h>
+#include <stdlib.h>
+
+gh_c_locale gh_c_locale_begin(void) {
+  gh_c_locale l = {.ours = newlocale(LC_ALL_MASK, "C", (locale_t)0), .theirs = (locale_t)0};
+  if (l.ours) l.theirs = uselocale(l.ours);
+  return l;
+}
+
+void gh_c_locale_end(gh_c_locale l) {
+  if (!l.ours) return;
+  uselocale(l.theirs);
+  freelocale(l.ours);
+}
+
+static const char *digits(const char *p, int *count) {
+  for (; *p >= '0' && *p <= '9'; p++) ++*count;
+  return p;
+}
+
+/* [+-] digits [. digits] [e [+-] digits], at least one digit before the exponent. strtod alone would take hexadecimal numbers,
+ * "nan" and leading blanks, too. */
+static bool is_decimal(const char *p) {
+  int mantissa = 0, exponent = 0;
+  if (*p == '+' || *p == '-') p++;
+  p = digits(p, &mantissa);
+  if (*p == '.') p = digits(p + 1, &mantissa);
+  if (mantissa == 0) return false;
+  if (*p == 'e' || *p == 'E') {
+    p++;
+    if (*p == '+' || *p == '-') p++;
+    p = digits(p, &exponent);
+    if (exponent == 0) return false;
+  }
+  return *p == 0;
+}
+
+bool gh_parse_number(const char *text, double *value) {
+  if (!text || !is_decimal(text)) return false;
+  char *end;
+  gh_c_locale l = gh_c_locale_begin();
+  double v = strtod(text, &end);
+  gh_c_locale_end(l);
+  if (*end || !isfinite(v)) return false; /* 1e999 */
+  *value = v;
+  return true;
+}
+
+bool gh_parse_integer(const char *text, long low, long high, long *value) {
+  if (!text) return false;
+  int count = 0;
+  if (*digits(*text == '+' || *text == '-' ? text + 1 : text, &count) || count == 0) return false;
+  errno = 0;
+  long v = strtol(text, NULL, 10);
+  if (errno == ERANGE || v < low || v > high) return false;
+  *value = v;
+  return true;
+}

@@ -1,0 +1,173 @@
+/* granhom macro: what the files of this module share. SPDX-License-Identifier: GPL-2.0-or-later
+ *
+ * Degree of freedom 2 a + i is component i of node a. Arrays over them have ndof = 2 nnodes entries. */
+#ifndef GRANHOM_MACRO_INTERNAL_H
+#define GRANHOM_MACRO_INTERNAL_H
+
+#include "granhom/macro.h"
+
+/* ---- mesh.c ---- */
+
+/* True when the quadrilateral with corners x (counter-clockwise) is convex with an area. */
+bool gh_quad_convex(const double x[4][2]);
+
+/* ---- element.c: Q1 with 2 x 2 Gauss points, total Lagrangian ---- */
+
+typedef struct gh_shapes {
+  double (*grad)[4][2]; /* npoints: dN_a/dX_J */
+  double *weight;       /* npoints: reference area of the point */
+} gh_shapes;
+
+/* Values of the four shape functions at Gauss point g. */
+void gh_shape_values(int g, double N[4]);
+/* Derivatives with respect to X and the area of Gauss point g of a quadrilateral with corners x. */
+void gh_shape_gradients(const double x[4][2], int g, double grad[4][2], double *area);
+gh_status gh_shapes_create(gh_context *ctx, const gh_mesh *mesh, gh_shapes *shapes);
+void gh_shapes_destroy(gh_shapes *shapes);
+/* F = 1 + grad u at the element's four points (4 x 4). */
+void gh_element_deformation(const gh_shapes *s, const gh_mesh *mesh, int e, const double *u, double *F);
+/* f[2 a + i] = int P_iJ N_a,J (2.10); P: 4 x 4. */
+void gh_element_force(const gh_shapes *s, int e, const double *P, double f[8]);
+/* K[2 a + i][2 b + k] = int N_a,J A_iJkL N_b,L; A: 4 x 16. */
+void gh_element_stiffness(const gh_shapes *s, int e, const double *A, double K[8][8]);
+/* Force on each of the two nodes of an edge from a to b, body on the left, under a pressure per length. */
+void gh_edge_force(const double a[2], const double b[2], double pressure, double f[2]);
+/* Derivative of minus the forces on (a, b) with respect to the positions of (a, b). Unsymmetric. */
+void gh_edge_stiffness(double pressure, double K[4][4]);
+
+/* ---- loads.c ---- */
+
+typedef struct gh_edge_load {
+  int a, b;
+  double pressure;
+} gh_edge_load;
+
+/* Following pressures. */
+typedef struct gh_edge_loads {
+  int n;
+  size_t capacity;
+  gh_edge_load *edge;
+} gh_edge_loads;
+
+struct gh_loads {
+  gh_context *ctx;
+  const gh_mesh *mesh;
+  double *force;        /* ndof, dead */
+  unsigned char *fixed; /* ndof */
+  double *value;        /* ndof, displacement where fixed */
+  gh_edge_loads follow;
+};
+
+gh_status gh_edge_loads_add(gh_context *ctx, gh_edge_loads *list, int a, int b, double pressure);
+
+/* ---- supports.c ---- */
+
+/* GH_INPUT when a connected body can move rigidly in spite of the fixed degrees of freedom. */
+gh_status gh_supports_check(gh_context *ctx, const gh_mesh *mesh, const unsigned char *fixed);
+
+/* ---- solve.c: the sparse system ---- */
+
+typedef struct gh_system gh_system;
+gh_status gh_system_create(gh_context *ctx, const gh_mesh *mesh, gh_system **system);
+void gh_system_destroy(gh_system **system);
+/* Which degrees of freedom are prescribed; a new analysis only when they change. */
+gh_status gh_system_constrain(gh_system *system, const unsigned char *fixed);
+void gh_system_clear(gh_system *system);
+/* Adds an n x n matrix (row-major) at the degrees of freedom dof. */
+void gh_system_add(gh_system *system, int n, const int *dof, const double *K);
+/* y += K x over all degrees of freedom. */
+void gh_system_multiply(const gh_system *system, const double *x, double *y);
+/* Euclidean norm of the diagonal. */
+double gh_system_diagonal(const gh_system *system);
+/* Solves K_ff x_f = b_f; entries of fixed degrees of freedom are not touched. GH_DIVERGED: K_ff is singular. */
+gh_status gh_system_solve(gh_system *system, const double *b, double *x);
+/* What factorised last: 'c' CHOLMOD, 'u' UMFPACK, 0 nothing yet. */
+char gh_system_method(const gh_system *system);
+
+/* ---- macro.c: the object ---- */
+
+/* Everything at one displacement field. */
+typedef struct gh_state {
+  double *u;    /* ndof */
+  double *F;    /* npoints x 4 */
+  double *P;    /* npoints x 4 */
+  double *A;    /* npoints x 16 */
+  double *fint; /* ndof, internal forces */
+} gh_state;
+
+/* The best iterate beyond a discontinuity that Newton met (jump.c). */
+typedef struct gh_jump {
+  double *u;       /* ndof */
+  double residual; /* there; infinite while there is none */
+  int point;       /* whose stress departs most from its linear prediction, -1 while unknown */
+  double change;   /* by how much */
+} gh_jump;
+
+struct gh_macro {
+  gh_context *ctx;
+  const gh_mesh *mesh;
+  gh_farm *farm;
+  gh_macro_options options;
+  gh_macro_watch *watch;
+  void *watch_data;
+  int ndof, npoints;
+  double length; /* of a typical element */
+  gh_shapes shapes;
+  gh_system *system;
+  gh_state eq;   /* where the farm's converged state is: the last equilibrium */
+  gh_state now;  /* Newton's iterate; the farm's trial state belongs to it */
+  gh_state next; /* a trial of the line search */
+  double *reaction;
+  double *f0;            /* holds the initial stress */
+  double *force;         /* dead loads at eq, without f0 */
+  gh_edge_loads follow;  /* following pressures at eq */
+  double *from;          /* u at eq, where the increment starts (increment.c) */
+  double *fade;          /* forces at eq that are neither loads nor supports of the increment: they fade */
+  double *fext;          /* of the last residual */
+  double *residual;      /* of `now` */
+  double *trial;         /* of `next` */
+  double *du;
+  gh_jump jump;
+  bool started; /* the stress at u = 0 is known */
+  bool solved;  /* an increment was begun */
+  double begin, micro_seconds;
+};
+
+/* F from u, P and A from the farm, internal forces. Catches what is not finite and det F <= 0 (GH_DIVERGED). */
+gh_status gh_macro_evaluate(gh_macro *m, gh_state *s);
+/* Evaluates u = 0 once. */
+gh_status gh_macro_start(gh_macro *m);
+void gh_state_copy(const gh_macro *m, const gh_state *from, gh_state *to);
+void gh_state_swap(gh_state *a, gh_state *b);
+/* "(x, y)"-like name of a degree of freedom: "node 7 at (1, 2) in x". */
+const char *gh_dof_name(const gh_mesh *mesh, int dof, char text[96]);
+
+/* ---- newton.c ---- */
+
+/* One attempt to reach the fraction t of the way from m->eq to the loads `to`. */
+typedef struct gh_attempt {
+  const gh_loads *to;
+  double t;
+  int substep, iterations;
+  double residual, scale; /* of m->now */
+} gh_attempt;
+
+/* Outer forces at the fraction t and at displacements u, `fade` left out where told. */
+void gh_outer_forces(const gh_macro *m, const gh_loads *to, double t, bool fade, const double *u, double *f);
+/* GH_OK: m->now is in equilibrium and the farm's trial state belongs to it. GH_DIVERGED: it was not found; the
+ * message says why. */
+gh_status gh_newton(gh_macro *m, gh_attempt *a);
+
+/* ---- jump.c ---- */
+
+void gh_jump_forget(gh_jump *jump);
+/* Offers the trial m->next with its residual as a state beyond a jump. */
+void gh_jump_offer(gh_macro *m, double residual);
+/* Evaluates the remembered iterate into m->now. GH_DIVERGED: there is none. */
+gh_status gh_jump_take(gh_macro *m);
+/* The message of an increment that failed; returns GH_DIVERGED. */
+gh_status gh_jump_explain(gh_macro *m, const gh_attempt *a, const gh_macro_report *report);
+/* Appends which integration points are unjammed, if any. */
+void gh_name_unjammed(const gh_macro *m, char *text, size_t size);
+
+#endif
