@@ -73,6 +73,7 @@ typedef struct gh_yaml gh_yaml;
 typedef struct gh_yaml_node {
   const gh_yaml *doc;
   int node;
+  int parent; /* of an absent value: the map or list that was asked, so that messages can name its line */
 } gh_yaml_node;
 gh_status gh_yaml_read(gh_context *ctx, const char *path, gh_yaml **doc);
 void gh_yaml_destroy(gh_yaml **doc);

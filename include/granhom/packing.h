@@ -29,6 +29,7 @@ gh_status gh_packing_read(gh_context *ctx, const char *path, gh_packing **packin
  * reference). */
 gh_status gh_packing_write(gh_context *ctx, const gh_packing *packing, const char *path, const double *x,
                            const double *cell);
+gh_status gh_packing_copy(gh_context *ctx, const gh_packing *from, gh_packing **packing);
 void gh_packing_destroy(gh_packing **packing);
 double gh_packing_mean_radius(const gh_packing *packing);
 

@@ -1,0 +1,170 @@
+/* One RVE: converged state, trial state, and the way from F to P and A. SPDX-License-Identifier: GPL-2.0-or-later */
+#include "micro/internal.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+enum { DEFAULT_STEPS = 400000 };
+
+static const char *const boundary_names[] = {"taylor", "taylor-cell", "restricted", "periodic"};
+
+bool gh_boundary_from_name(const char *name, gh_boundary *b) {
+  for (int k = 0; k < 4; k++)
+    if (!strcmp(name, boundary_names[k])) return *b = (gh_boundary)k, true;
+  return false;
+}
+
+const char *gh_boundary_name(gh_boundary b) { return boundary_names[b]; }
+
+gh_rve_options gh_rve_defaults(void) {
+  return (gh_rve_options){.boundary = GH_PERIODIC, .engine = GH_ENGINE_LAMMPS, .tolerance = 1e-8, .max_steps = DEFAULT_STEPS};
+}
+
+void gh_rve_destroy(gh_rve **rve) {
+  if (!rve || !*rve) return;
+  gh_rve *r = *rve;
+  gh_engine_destroy(&r->engine);
+  gh_stiffness_destroy(&r->stiffness);
+  gh_rattlers_destroy(&r->rattlers);
+  gh_cluster_destroy(&r->cluster);
+  gh_packing_destroy(&r->packing);
+  void *const arrays[] = {r->X, r->yn, r->y, r->x, r->step, r->view_grain, r->view_id, r->view_flags};
+  for (size_t k = 0; k < sizeof arrays / sizeof *arrays; k++) free(arrays[k]);
+  free(r);
+  *rve = NULL;
+}
+
+static gh_status check_options(gh_context *ctx, const gh_rve_options *o) {
+  if (!(o->tolerance > 0) || !(o->tolerance < 1)) return gh_fail(ctx, GH_INPUT, "the tolerance must lie between 0 and 1, not %g", o->tolerance);
+  if (o->max_steps < 0) return gh_fail(ctx, GH_INPUT, "the number of relaxation steps must not be negative, but is %ld", o->max_steps);
+  return GH_OK;
+}
+
+static gh_status make_engine(gh_rve *r) {
+  const gh_cluster *c = r->cluster;
+  r->radius = c ? c->radius : r->packing->radius;
+  if (r->options.boundary == GH_RESTRICTED) r->held = c->boundary;
+  gh_engine_setup setup = {.n = r->n, .radius = r->radius, .type = c ? c->type : r->packing->type, .held = r->held, .periodic = r->periodic,
+                           .law = r->options.law};
+  return gh_engine_create(r->ctx, r->options.engine, &setup, &r->engine);
+}
+
+static gh_status make_state(gh_rve *r) {
+  size_t n = 2 * (size_t)r->n;
+  double **const arrays[] = {&r->X, &r->yn, &r->y, &r->x, &r->step};
+  for (size_t k = 0; k < sizeof arrays / sizeof *arrays; k++) GH_TRY(gh_alloc(r->ctx, n, sizeof(double), arrays[k]));
+  GH_TRY(gh_alloc(r->ctx, n, sizeof(int), &r->view_grain));
+  GH_TRY(gh_alloc(r->ctx, n, sizeof(int), &r->view_id));
+  GH_TRY(gh_alloc(r->ctx, n, 1, &r->view_flags));
+  memcpy(r->X, r->cluster ? r->cluster->x : r->packing->x, n * sizeof(double));
+  memcpy(r->yn, r->X, n * sizeof(double));
+  memcpy(r->y, r->X, n * sizeof(double));
+  memcpy(r->Fn, (double[4]){1, 0, 0, 1}, sizeof r->Fn);
+  memcpy(r->F, r->Fn, sizeof r->F);
+  return GH_OK;
+}
+
+gh_status gh_rve_create(gh_context *ctx, const gh_packing *packing, const gh_rve_options *options, gh_rve **rve) {
+  *rve = NULL;
+  GH_TRY(check_options(ctx, options));
+  gh_rve *r;
+  GH_TRY(gh_alloc(ctx, 1, sizeof *r, &r));
+  gh_status status;
+  r->ctx = ctx;
+  r->options = *options;
+  if (r->options.max_steps == 0) r->options.max_steps = DEFAULT_STEPS;
+  gh_boundary b = options->boundary;
+  r->relaxes = b == GH_RESTRICTED || b == GH_PERIODIC;
+  r->periodic = b == GH_TAYLOR_CELL || b == GH_PERIODIC;
+  GH_TRY_OR(gh_packing_copy(ctx, packing, &r->packing), failed);
+  if (!r->periodic) GH_TRY_OR(gh_cluster_create(ctx, packing, &r->cluster), failed);
+  r->n = r->cluster ? r->cluster->n : packing->n;
+  const double *L = packing->cell;
+  r->volume = gh_det2(L);
+  r->extent = hypot(L[0], L[2]) + hypot(L[1], L[3]);
+  r->floor = 1e-13 * options->law.normal_stiffness * gh_packing_mean_radius(packing);
+  GH_TRY_OR(make_engine(r), failed);
+  GH_TRY_OR(make_state(r), failed);
+  if (r->relaxes) {
+    GH_TRY_OR(gh_stiffness_create(ctx, r->n, &r->stiffness), failed);
+    GH_TRY_OR(gh_rattlers_create(ctx, r->n, &r->rattlers), failed);
+  }
+  *rve = r;
+  return GH_OK;
+failed:
+  gh_rve_destroy(&r);
+  return status;
+}
+
+/* y = F^-1 x: positions before the deformation, fluctuations included. */
+static void pull_back(gh_rve *r) {
+  double inverse[4];
+  gh_inv2(r->F, inverse);
+  for (int i = 0; i < r->n; i++) gh_apply2(inverse, &r->x[2 * i], &r->y[2 * i]);
+}
+
+static gh_status evaluate(gh_rve *r, unsigned want, double A[16]) {
+  for (int i = 0; i < r->n; i++) gh_apply2(r->F, &r->yn[2 * i], &r->x[2 * i]); /* the affine guess keeps the fluctuations */
+  GH_TRY(gh_rve_equilibrate(r));
+  if (r->relaxes) pull_back(r);
+  if (r->relaxes) GH_TRY(gh_rattlers_find(r->ctx, r->rattlers, r->n, r->held, r->contacts, r->ncontacts, r->m.mean_force, &r->m.rattlers));
+  GH_TRY(gh_rve_sums(r));
+  return want & GH_WANT_TANGENT ? gh_rve_tangent(r, A) : GH_OK;
+}
+
+gh_status gh_rve_evaluate(gh_rve *r, const double F[4], unsigned want, double P[4], double A[16]) {
+  double start = gh_seconds();
+  r->trial = false;
+  if (!gh_finite(F, 4)) return gh_fail(r->ctx, GH_INPUT, "F = [%g %g; %g %g] is not finite", F[0], F[1], F[2], F[3]);
+  if (!(gh_det2(F) > 0))
+    return gh_fail(r->ctx, GH_INPUT, "F = [%g %g; %g %g] has the determinant %g; it must be positive", F[0], F[1], F[2], F[3], gh_det2(F));
+  r->m = (gh_rve_measures){.acoustic = NAN, .acoustic_angle = NAN};
+  memcpy(r->F, F, sizeof r->F);
+  memcpy(r->m.F, F, sizeof r->m.F);
+  GH_TRY(evaluate(r, want, A));
+  memcpy(P, r->m.P, sizeof r->m.P);
+  r->trial = true;
+  r->m.seconds = gh_seconds() - start;
+  r->cost.total += r->m.seconds;
+  return GH_OK;
+}
+
+gh_status gh_rve_commit(gh_rve *r) {
+  if (!r->trial) return GH_OK;
+  memcpy(r->Fn, r->F, sizeof r->Fn);
+  memcpy(r->yn, r->y, 2 * (size_t)r->n * sizeof(double));
+  r->trial = false;
+  return GH_OK;
+}
+
+gh_status gh_rve_revert(gh_rve *r) {
+  r->trial = false;
+  return GH_OK;
+}
+
+const gh_rve_measures *gh_rve_measure(const gh_rve *r) { return &r->m; }
+
+void gh_rve_costs(const gh_rve *r, gh_rve_cost *cost) {
+  *cost = r->cost;
+  if (r->stiffness) {
+    cost->factorisations = r->stiffness->factorisations;
+    cost->analyses = r->stiffness->analyses;
+  }
+}
+
+size_t gh_rve_state_size(const gh_rve *r) { return 4 + 2 * (size_t)r->n; }
+
+gh_status gh_rve_save(const gh_rve *r, double *state) {
+  memcpy(state, r->Fn, sizeof r->Fn);
+  memcpy(state + 4, r->yn, 2 * (size_t)r->n * sizeof(double));
+  return GH_OK;
+}
+
+gh_status gh_rve_load(gh_rve *r, const double *state) {
+  if (!gh_finite(state, gh_rve_state_size(r)) || !(gh_det2(state) > 0))
+    return gh_fail(r->ctx, GH_INPUT, "the state to load has a value that is not finite, or F with det F <= 0");
+  memcpy(r->Fn, state, sizeof r->Fn);
+  memcpy(r->yn, state + 4, 2 * (size_t)r->n * sizeof(double));
+  r->trial = false;
+  return GH_OK;
+}

@@ -1,0 +1,23 @@
+/* Looking into an RVE: grains, flags and contacts of the last evaluation. SPDX-License-Identifier: GPL-2.0-or-later */
+#include "micro/internal.h"
+
+#include <string.h>
+
+enum { RATTLER = 1, HELD = 2, REPLICA = 4 };
+
+gh_status gh_rve_look(gh_rve *r, gh_rve_view *view) {
+  const gh_packing *p = r->packing;
+  for (int i = 0; i < r->n; i++) {
+    int primary = r->cluster ? r->cluster->grain[i] : i;
+    r->view_grain[i] = primary;
+    r->view_id[i] = p->id[primary];
+    bool rattler = r->rattlers && r->rattlers->flag[i], held = !r->relaxes || (r->held && r->held[i]);
+    r->view_flags[i] = (unsigned char)((rattler ? RATTLER : 0) | (held ? HELD : 0) | (i >= p->n ? REPLICA : 0));
+  }
+  *view = (gh_rve_view){.n = r->n, .ncontacts = r->ncontacts, .x = r->x, .radius = r->radius, .grain = r->view_grain,
+                        .type = r->cluster ? r->cluster->type : p->type, .id = r->view_id, .flags = r->view_flags, .contacts = r->contacts,
+                        .periodic = r->periodic};
+  gh_mul2(r->F, p->cell, view->cell);
+  gh_apply2(r->F, p->low, view->low);
+  return GH_OK;
+}
