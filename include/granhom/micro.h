@@ -46,13 +46,13 @@ typedef struct gh_rve_measures {
   int contacts, rattlers;
   int factorisations;
   int polished;    /* the residual was reached by Newton polish */
-  int unjammed;    /* no contact force: P = 0, A = 0 */
+  int unjammed;    /* no contact, or free grains without contact force: P = 0, A = 0 */
   int regularised; /* the tangent's matrix was not positive definite and was shifted */
 } gh_rve_measures;
 
 /* Where the time of an RVE went since it was made, seconds and counts. */
 typedef struct gh_rve_cost {
-  double relax, contacts, factorise, total;
+  double set, relax, contacts, factorise, total; /* cell and neighbours; relaxation; contact lists; stiffness and tangent */
   long evaluations, steps, factorisations, analyses;
 } gh_rve_cost;
 

@@ -1,4 +1,5 @@
-/* granhom: scenes: reading and checking them, running their load steps, results and pictures. SPDX-License-Identifier: GPL-2.0-or-later */
+/* granhom: scenes: reading and checking them, running their load steps, results and pictures.
+ * SPDX-License-Identifier: GPL-2.0-or-later */
 #ifndef GRANHOM_SCENE_H
 #define GRANHOM_SCENE_H
 
@@ -14,8 +15,8 @@ extern "C" {
 
 typedef struct gh_scene gh_scene;
 
-/* Reads a scene with its packing and its mesh, and checks all that can be known before the first equilibrium. All errors are GH_INPUT and
- * begin with file:line. Nothing is written. */
+/* Reads a scene with its packing and its mesh, and checks all that can be known before the first equilibrium.
+ * All errors are GH_INPUT and begin with file:line. Nothing is written. */
 gh_status gh_scene_read(gh_context *ctx, const char *path, gh_scene **scene);
 void gh_scene_destroy(gh_scene **scene);
 /* Overrides `micro: {engine: ...}`. */
@@ -30,8 +31,9 @@ int gh_scene_steps(const gh_scene *scene);
 int gh_scene_increments(const gh_scene *scene, int step); /* 1 for step 0 */
 const char *gh_scene_step_name(const gh_scene *scene, int step);
 const gh_mesh *gh_scene_mesh(const gh_scene *scene);
-/* The loads at the end of `increment` (from 1) of `step`. Steps and increments are asked for in their order, and u (nnodes x 2) holds the displacements at
- * the end of the step before whenever increment is 1 (NULL: zero): ramps without `from` and supports hold on to them. */
+/* The loads at the end of `increment` (from 1) of `step`. Steps and increments are asked for in their order,
+ * and u (nnodes x 2) holds the displacements at the end of the step before whenever increment is 1 (NULL:
+ * zero): ramps without `from` and supports hold on to them. */
 gh_status gh_scene_loads(gh_scene *scene, int step, int increment, const double *u, gh_loads *loads);
 
 /* What a plan gives for one set (index into the mesh) after the last gh_scene_loads. */
@@ -48,7 +50,7 @@ void gh_scene_gravity(const gh_scene *scene, double b[2]);
 /* ---- a run ---- */
 
 typedef struct gh_run_options {
-  bool (*stop)(void *data); /* asked before each evaluation of the material points; true ends the run with GH_SYSTEM. NULL: never */
+  bool (*stop)(void *data); /* asked before each increment; true ends the run with GH_SYSTEM. NULL: never */
   void *stop_data;
 } gh_run_options;
 
@@ -61,20 +63,25 @@ typedef struct gh_run_summary {
   double micro_seconds, results_seconds, seconds;
 } gh_run_summary;
 
-/* Runs all steps and writes results.h5, results.xdmf, rves.h5, history.csv, convergence.csv and run.json into `folder`, which is made after the first
- * equilibrium. After each increment all files are whole. GH_INPUT: the scene cannot be run (nothing is written when that shows at the start); GH_DIVERGED: names step and increment; what was
- * complete before is on disk. `summary` may be NULL. */
-gh_status gh_scene_run(gh_scene *scene, const char *folder, const gh_run_options *options, gh_run_summary *summary);
+/* Runs all steps and writes results.h5, results.xdmf, rves.h5, history.csv, convergence.csv and run.json into
+ * `folder`, which is made after the first equilibrium. After each increment all files are whole. GH_INPUT:
+ * the scene cannot be run (nothing is written when that shows at the start); GH_DIVERGED: names step and
+ * increment; what was complete before is on disk. `summary` may be NULL. */
+gh_status gh_scene_run(gh_scene *scene, const char *folder, const gh_run_options *options,
+                       gh_run_summary *summary);
 /* The summary in words, a few lines. */
 void gh_summary_print(const gh_run_summary *summary, const char *folder, gh_text *out);
 
 /* ---- pictures of a folder of results, PNG ---- */
 
-/* Deformed mesh at the last increment over the outline of the undeformed one, coloured by the von Mises stress. */
+/* Deformed mesh at the last increment over the outline of the undeformed one, coloured by the von Mises
+ * stress. */
 gh_status gh_picture_mesh(gh_context *ctx, const char *folder, const char *png);
-/* Grains of one material point, the cell's frame and the network of forces. point -1: the one with the largest von Mises stress among those recorded. */
+/* Grains of one material point, the cell's frame and the network of forces. point -1: the one with the
+ * largest von Mises stress among those recorded. */
 gh_status gh_picture_rve(gh_context *ctx, const char *folder, int point, const char *png);
-/* Force and dilatancy over the driven displacement (or over the load steps when nothing is driven). Needs gnuplot. */
+/* Force and dilatancy over the driven displacement (or over the load steps when nothing is driven). Needs
+ * gnuplot. */
 gh_status gh_picture_curves(gh_context *ctx, const char *folder, const char *png);
 /* Residuals over the iterations of the last increments. Needs gnuplot. */
 gh_status gh_picture_convergence(gh_context *ctx, const char *folder, const char *png);

@@ -10,6 +10,10 @@
 
 enum { BOUND_EVERY = 32 }; /* steps between two bounds of the largest eigenvalue */
 
+/* Least damping, over 1/dt. Grains that collide without a network between them have no lowest eigenvalue, and
+ * without damping never come to rest. */
+static const double LEAST_DAMPING = 1e-2;
+
 /* Work space: forces of the pairs (2 npairs), old forces (2 n), stiffness blocks (3 n). */
 size_t gh_relax_work(int n, int npairs) {
   return 2 * (size_t)npairs + 5 * (size_t)n;
@@ -131,22 +135,19 @@ static double rayleigh(const gh_relax_state *s, const double *old, double dt) {
 gh_relax_end gh_relax_run(gh_relax_state *s, double tolerance, double floor, long max_steps, double *residual,
                           double *mean_force, long *steps) {
   double *old = s->work + 2 * (size_t)s->npairs, dt = 0;
-  bool compare = false;
+  bool far = false;
   for (long k = 0;; k++) {
     double largest = gh_relax_forces(s, mean_force);
     ++*steps;
     *residual = *mean_force > 0 ? largest / *mean_force : 0;
     if (*mean_force <= floor) return *residual = 0, GH_RELAX_UNJAMMED;
     if (*residual <= tolerance) return GH_RELAX_CONVERGED;
+    if (k > 0) s->damping = 2 * sqrt(rayleigh(s, old, dt));
+    if (far) return GH_RELAX_REBUILD;
     if (k + 1 >= max_steps) return GH_RELAX_STEPS;
-    double c = compare ? 2 * sqrt(rayleigh(s, old, dt)) : 0;
     if (k % BOUND_EVERY == 0) dt = time_step(s);
+    s->damping = fmax(s->damping, LEAST_DAMPING / dt);
     memcpy(old, s->f, 2 * (size_t)s->n * sizeof *old);
-    double far = advance(s, c, dt);
-    compare = true;
-    if (far > s->slack * s->slack) {
-      gh_relax_forces(s, mean_force);
-      return GH_RELAX_REBUILD;
-    }
+    far = advance(s, s->damping, dt) > s->slack * s->slack;
   }
 }

@@ -24,7 +24,8 @@ void gh_farm_destroy(gh_farm **farm) {
 gh_status gh_farm_create(gh_context *ctx, int n, const gh_point_ops *ops, void **points, gh_farm **farm) {
   *farm = NULL;
   gh_farm *f = NULL;
-  gh_status status = n < 1 ? gh_fail(ctx, GH_INPUT, "a farm needs at least one point, not %d", n) : gh_alloc(ctx, 1, sizeof *f, &f);
+  gh_status status = n < 1 ? gh_fail(ctx, GH_INPUT, "a farm needs at least one point, not %d", n)
+                           : gh_alloc(ctx, 1, sizeof *f, &f);
   if (status == GH_OK) status = gh_alloc(ctx, (size_t)n, sizeof *f->points, &f->points);
   if (status != GH_OK) {
     free(f);
@@ -42,14 +43,19 @@ gh_status gh_farm_create(gh_context *ctx, int n, const gh_point_ops *ops, void *
 static gh_status rve_evaluate(void *p, const double F[4], unsigned want, double P[4], double A[16]) {
   return gh_rve_evaluate(p, F, want, P, A);
 }
-static gh_status rve_commit(void *p) { return gh_rve_commit(p); }
-static gh_status rve_revert(void *p) { return gh_rve_revert(p); }
+static gh_status rve_commit(void *p) {
+  return gh_rve_commit(p);
+}
+static gh_status rve_revert(void *p) {
+  return gh_rve_revert(p);
+}
 static void rve_destroy(void *p) {
   gh_rve *rve = p;
   gh_rve_destroy(&rve);
 }
 
-gh_status gh_farm_create_rves(gh_context *ctx, int n, const gh_packing *packing, const gh_rve_options *options, gh_farm **farm) {
+gh_status gh_farm_create_rves(gh_context *ctx, int n, const gh_packing *packing,
+                              const gh_rve_options *options, gh_farm **farm) {
   static const gh_point_ops ops = {rve_evaluate, rve_commit, rve_revert, rve_destroy};
   *farm = NULL;
   gh_farm *f = NULL;
@@ -71,7 +77,9 @@ failed:
   return status;
 }
 
-int gh_farm_size(const gh_farm *f) { return f->n; }
+int gh_farm_size(const gh_farm *f) {
+  return f->n;
+}
 
 gh_status gh_farm_evaluate(gh_farm *f, const double *F, unsigned want, double *P, double *A) {
   for (int k = 0; k < f->n; k++) {
@@ -89,10 +97,16 @@ static gh_status for_all(gh_farm *f, gh_status (*act)(void *)) {
   return GH_OK;
 }
 
-gh_status gh_farm_commit(gh_farm *f) { return for_all(f, f->ops.commit); }
-gh_status gh_farm_revert(gh_farm *f) { return for_all(f, f->ops.revert); }
+gh_status gh_farm_commit(gh_farm *f) {
+  return for_all(f, f->ops.commit);
+}
+gh_status gh_farm_revert(gh_farm *f) {
+  return for_all(f, f->ops.revert);
+}
 
-gh_rve *gh_farm_rve(gh_farm *f, int point) { return f->rves && point >= 0 && point < f->n ? f->points[point] : NULL; }
+gh_rve *gh_farm_rve(gh_farm *f, int point) {
+  return f->rves && point >= 0 && point < f->n ? f->points[point] : NULL;
+}
 
 const gh_rve_measures *gh_farm_measure(const gh_farm *f, int point) {
   return f->rves && point >= 0 && point < f->n ? gh_rve_measure(f->points[point]) : NULL;
@@ -104,7 +118,8 @@ void gh_farm_costs(const gh_farm *f, gh_rve_cost *sum) {
   for (int k = 0; k < f->n; k++) {
     gh_rve_cost c;
     gh_rve_costs(f->points[k], &c);
-    sum->relax += c.relax, sum->contacts += c.contacts, sum->factorise += c.factorise, sum->total += c.total;
-    sum->evaluations += c.evaluations, sum->steps += c.steps, sum->factorisations += c.factorisations, sum->analyses += c.analyses;
+    sum->set += c.set, sum->relax += c.relax, sum->contacts += c.contacts, sum->factorise += c.factorise, sum->total += c.total;
+    sum->evaluations += c.evaluations, sum->steps += c.steps, sum->factorisations += c.factorisations,
+        sum->analyses += c.analyses;
   }
 }

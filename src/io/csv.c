@@ -35,7 +35,8 @@ static gh_status read_header(gh_context *ctx, gh_reader *r, gh_csv *csv) {
   if (!line) return gh_fail(ctx, GH_INPUT, "%s: no header line: only blank lines and comments", r->path);
   int n = count_fields(line);
   if (n > MAX_COLUMNS) {
-    return gh_fail(ctx, GH_INPUT, "%s:%d: %d columns, at most %d are possible", r->path, r->line, n, MAX_COLUMNS);
+    return gh_fail(ctx, GH_INPUT, "%s:%d: %d columns, at most %d are possible", r->path, r->line, n,
+                   MAX_COLUMNS);
   }
   GH_TRY(gh_alloc(ctx, (size_t)n, sizeof *csv->names, &csv->names));
   for (int c = 0; c < n; c++) {
@@ -43,11 +44,13 @@ static gh_status read_header(gh_context *ctx, gh_reader *r, gh_csv *csv) {
     double number;
     if (!*name) return gh_fail(ctx, GH_INPUT, "%s:%d: column %d has no name", r->path, r->line, c + 1);
     if (gh_parse_number(name, &number)) {
-      return gh_fail(ctx, GH_INPUT, "%s:%d: the first line must name the columns, but column %d is the number '%s'",
-                     r->path, r->line, c + 1, gh_quote(name, quoted));
+      return gh_fail(ctx, GH_INPUT,
+                     "%s:%d: the first line must name the columns, but column %d is the number '%s'", r->path,
+                     r->line, c + 1, gh_quote(name, quoted));
     }
     if (gh_csv_find(csv, name) >= 0) {
-      return gh_fail(ctx, GH_INPUT, "%s:%d: column '%s' occurs twice", r->path, r->line, gh_quote(name, quoted));
+      return gh_fail(ctx, GH_INPUT, "%s:%d: column '%s' occurs twice", r->path, r->line,
+                     gh_quote(name, quoted));
     }
     csv->names[c] = strdup(name);
     if (!csv->names[c]) return gh_fail(ctx, GH_MEMORY, "%s: no memory for the header", r->path);
@@ -57,17 +60,19 @@ static gh_status read_header(gh_context *ctx, gh_reader *r, gh_csv *csv) {
 }
 
 static gh_status read_row(gh_context *ctx, const gh_reader *r, char *line, const gh_csv *csv, double *row) {
-  char quoted[GH_QUOTE];
+  char quoted[GH_QUOTE], name[GH_QUOTE];
   int n = count_fields(line);
   if (n != csv->ncols) {
-    return gh_fail(ctx, GH_INPUT, "%s:%d: fields %d, columns in the header %d", r->path, r->line, n, csv->ncols);
+    return gh_fail(ctx, GH_INPUT, "%s:%d: %d fields in this row, %d columns in the header", r->path, r->line,
+                   n, csv->ncols);
   }
   for (int c = 0; c < n; c++) {
     const char *field = next_field(&line);
-    if (!*field) return gh_fail(ctx, GH_INPUT, "%s:%d: %s is empty", r->path, r->line, csv->names[c]);
+    if (!*field)
+      return gh_fail(ctx, GH_INPUT, "%s:%d: %s is empty", r->path, r->line, gh_quote(csv->names[c], name));
     if (!gh_parse_number(field, &row[c])) {
-      return gh_fail(ctx, GH_INPUT, "%s:%d: %s: '%s' is not a finite number", r->path, r->line, csv->names[c],
-                     gh_quote(field, quoted));
+      return gh_fail(ctx, GH_INPUT, "%s:%d: %s: '%s' is not a finite number", r->path, r->line,
+                     gh_quote(csv->names[c], name), gh_quote(field, quoted));
     }
   }
   return GH_OK;

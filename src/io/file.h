@@ -1,4 +1,5 @@
-/* What the file formats share: whole files in and out, lines, words. SPDX-License-Identifier: GPL-2.0-or-later */
+/* What the file formats share: whole files in and out, lines, words. SPDX-License-Identifier:
+ * GPL-2.0-or-later */
 #ifndef GRANHOM_IO_FILE_H
 #define GRANHOM_IO_FILE_H
 
@@ -8,8 +9,9 @@
 
 /* ---- text.c: files as a whole ---- */
 
-/* Writes length bytes so that path holds either all of them or what it held before: path.tmp, fsync, rename. A device or a pipe
- * is written directly, a symbolic link keeps pointing where it did. GH_SYSTEM with the reason. */
+/* Writes length bytes so that path holds either all of them or what it held before: path.tmp, fsync, rename.
+ * A device or a pipe is written directly, a symbolic link keeps pointing where it did. GH_SYSTEM with the
+ * reason. */
 gh_status gh_file_write(gh_context *ctx, const char *path, const void *bytes, size_t length);
 
 /* ---- read.c ---- */
@@ -23,8 +25,8 @@ typedef struct gh_reader {
   int line;   /* number of the line handed out last */
 } gh_reader;
 
-/* Reads the whole file ("-": standard input). GH_INPUT when it is missing, a folder, empty, binary (a zero byte) or above 2 GiB. A byte
- * order mark is dropped. The path is not copied. */
+/* Reads the whole file ("-": standard input). GH_INPUT when it is missing, a folder, empty, binary (a zero
+ * byte) or above 2 GiB. A byte order mark is dropped. The path is not copied. */
 gh_status gh_reader_open(gh_context *ctx, const char *path, gh_reader *reader);
 void gh_reader_close(gh_reader *reader);
 /* The next line without its end (LF or CR LF), to be changed at will; NULL at the end. */
@@ -41,7 +43,8 @@ const char *gh_quote(const char *text, char out[GH_QUOTE]);
 
 /* ---- number.c ---- */
 
-/* Numbers are read and written with a decimal point whatever the locale of the program is. A begin belongs to each end. */
+/* Numbers are read and written with a decimal point whatever the locale of the program is. A begin belongs to
+ * each end. */
 typedef struct gh_c_locale {
   locale_t ours, theirs;
 } gh_c_locale;

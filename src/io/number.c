@@ -21,8 +21,8 @@ static const char *digits(const char *p, int *count) {
   return p;
 }
 
-/* [+-] digits [. digits] [e [+-] digits], at least one digit before the exponent. strtod alone would take hexadecimal numbers,
- * "nan" and leading blanks, too. */
+/* [+-] digits [. digits] [e [+-] digits], at least one digit before the exponent. strtod alone would take
+ * hexadecimal numbers, "nan" and leading blanks, too. */
 static bool is_decimal(const char *p) {
   int mantissa = 0, exponent = 0;
   if (*p == '+' || *p == '-') p++;

@@ -73,7 +73,9 @@ char *gh_reader_line(gh_reader *r) {
   return line;
 }
 
-static bool is_space(char c) { return c == ' ' || (c >= '\t' && c <= '\r'); }
+static bool is_space(char c) {
+  return c == ' ' || (c >= '\t' && c <= '\r');
+}
 
 int gh_words(char *text, int max, char **word) {
   int n = 0;

@@ -58,7 +58,8 @@ const char *gh_text_get(const gh_text *t, size_t *length) {
 }
 
 gh_status gh_text_commit(gh_text *t, const char *path) {
-  if (t->failed) return gh_fail(t->ctx, GH_MEMORY, "%s: no memory for its text (%zu bytes so far)", path, t->length);
+  if (t->failed)
+    return gh_fail(t->ctx, GH_MEMORY, "%s: no memory for its text (%zu bytes so far)", path, t->length);
   return gh_file_write(t->ctx, path, t->bytes, t->length);
 }
 
@@ -80,8 +81,8 @@ static int write_all(int fd, const char *bytes, size_t length) {
   return 0;
 }
 
-/* Makes the rename itself last. Not every file system can do that for folders, and the file is complete by now: only a device
- * error counts. */
+/* Makes the rename itself last. Not every file system can do that for folders, and the file is complete by
+ * now: only a device error counts. */
 static int sync_folder(const char *path) {
   char *folder = gh_path_folder(path);
   if (!folder) return ENOMEM;
@@ -150,7 +151,7 @@ static gh_status make_one(gh_context *ctx, const char *path) {
   struct stat info;
   if (mkdir(path, 0777) == 0) return GH_OK;
   int reason = errno;
-  if (reason == ENOTDIR || stat(path, &info) != 0) return cannot(ctx, path, "make the folder", reason);
+  if (stat(path, &info) != 0) return cannot(ctx, path, "make the folder", reason);
   if (!S_ISDIR(info.st_mode)) return gh_fail(ctx, GH_INPUT, "%s: is a file, a folder is wanted", path);
   return GH_OK;
 }

@@ -79,7 +79,8 @@ void gh_system_add(gh_system *system, int n, const int *dof, const double *K);
 void gh_system_multiply(const gh_system *system, const double *x, double *y);
 /* Euclidean norm of the diagonal. */
 double gh_system_diagonal(const gh_system *system);
-/* Solves K_ff x_f = b_f; entries of fixed degrees of freedom are not touched. GH_DIVERGED: K_ff is singular. */
+/* Solves K_ff x_f = b_f; entries of fixed degrees of freedom are not touched. GH_DIVERGED: K_ff is singular.
+ */
 gh_status gh_system_solve(gh_system *system, const double *b, double *x);
 /* What factorised last: 'c' CHOLMOD, 'u' UMFPACK, 0 nothing yet. */
 char gh_system_method(const gh_system *system);
@@ -118,14 +119,14 @@ struct gh_macro {
   gh_state now;  /* Newton's iterate; the farm's trial state belongs to it */
   gh_state next; /* a trial of the line search */
   double *reaction;
-  double *f0;            /* holds the initial stress */
-  double *force;         /* dead loads at eq, without f0 */
-  gh_edge_loads follow;  /* following pressures at eq */
-  double *from;          /* u at eq, where the increment starts (increment.c) */
-  double *fade;          /* forces at eq that are neither loads nor supports of the increment: they fade */
-  double *fext;          /* of the last residual */
-  double *residual;      /* of `now` */
-  double *trial;         /* of `next` */
+  double *f0;           /* holds the initial stress */
+  double *force;        /* dead loads at eq, without f0 */
+  gh_edge_loads follow; /* following pressures at eq */
+  double *from;         /* u at eq, where the increment starts (increment.c) */
+  double *fade;         /* forces at eq that are neither loads nor supports of the increment: they fade */
+  double *fext;         /* of the last residual */
+  double *residual;     /* of `now` */
+  double *trial;        /* of `next` */
   double *du;
   gh_jump jump;
   bool started; /* the stress at u = 0 is known */
@@ -133,7 +134,8 @@ struct gh_macro {
   double begin, micro_seconds;
 };
 
-/* F from u, P and A from the farm, internal forces. Catches what is not finite and det F <= 0 (GH_DIVERGED). */
+/* F from u, P and A from the farm, internal forces. Catches what is not finite and det F <= 0 (GH_DIVERGED).
+ */
 gh_status gh_macro_evaluate(gh_macro *m, gh_state *s);
 /* Evaluates u = 0 once. */
 gh_status gh_macro_start(gh_macro *m);
@@ -154,8 +156,8 @@ typedef struct gh_attempt {
 
 /* Outer forces at the fraction t and at displacements u, `fade` left out where told. */
 void gh_outer_forces(const gh_macro *m, const gh_loads *to, double t, bool fade, const double *u, double *f);
-/* GH_OK: m->now is in equilibrium and the farm's trial state belongs to it. GH_DIVERGED: it was not found; the
- * message says why. */
+/* GH_OK: m->now is in equilibrium and the farm's trial state belongs to it. GH_DIVERGED: it was not found;
+ * the message says why. */
 gh_status gh_newton(gh_macro *m, gh_attempt *a);
 
 /* ---- jump.c ---- */

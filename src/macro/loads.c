@@ -52,10 +52,12 @@ static gh_status find_set(const gh_loads *l, int set, const gh_mesh_set **found)
 }
 
 gh_status gh_loads_displace(gh_loads *l, int set, int dir, double value) {
-  const gh_mesh_set *s;
+  const gh_mesh_set *s = NULL;
   GH_TRY(find_set(l, set, &s));
-  if (dir != 0 && dir != 1) return gh_fail(l->ctx, GH_INPUT, "set %s: direction %d is neither 0 nor 1", s->name, dir);
-  if (!isfinite(value)) return gh_fail(l->ctx, GH_INPUT, "set %s: displacement %g is not finite", s->name, value);
+  if (dir != 0 && dir != 1)
+    return gh_fail(l->ctx, GH_INPUT, "set %s: direction %d is neither 0 nor 1", s->name, dir);
+  if (!isfinite(value))
+    return gh_fail(l->ctx, GH_INPUT, "set %s: displacement %g is not finite", s->name, value);
   for (int k = 0; k < s->nnodes; k++) {
     l->fixed[2 * s->nodes[k] + dir] = 1;
     l->value[2 * s->nodes[k] + dir] = value;
@@ -64,9 +66,10 @@ gh_status gh_loads_displace(gh_loads *l, int set, int dir, double value) {
 }
 
 gh_status gh_loads_pressure(gh_loads *l, int set, double pressure, bool follow) {
-  const gh_mesh_set *s;
+  const gh_mesh_set *s = NULL;
   GH_TRY(find_set(l, set, &s));
-  if (!isfinite(pressure)) return gh_fail(l->ctx, GH_INPUT, "set %s: pressure %g is not finite", s->name, pressure);
+  if (!isfinite(pressure))
+    return gh_fail(l->ctx, GH_INPUT, "set %s: pressure %g is not finite", s->name, pressure);
   if (s->nedges == 0)
     return gh_fail(l->ctx, GH_INPUT, "set %s: a pressure needs edges of the boundary, it has none", s->name);
   for (int k = 0; k < s->nedges; k++) {
@@ -86,7 +89,7 @@ gh_status gh_loads_pressure(gh_loads *l, int set, double pressure, bool follow) 
 }
 
 gh_status gh_loads_force(gh_loads *l, int set, const double force[2]) {
-  const gh_mesh_set *s;
+  const gh_mesh_set *s = NULL;
   GH_TRY(find_set(l, set, &s));
   if (!gh_finite(force, 2))
     return gh_fail(l->ctx, GH_INPUT, "set %s: force (%g, %g) is not finite", s->name, force[0], force[1]);
@@ -97,7 +100,8 @@ gh_status gh_loads_force(gh_loads *l, int set, const double force[2]) {
 
 gh_status gh_loads_gravity(gh_loads *l, const double b[2]) {
   const gh_mesh *mesh = l->mesh;
-  if (!gh_finite(b, 2)) return gh_fail(l->ctx, GH_INPUT, "weight per area (%g, %g) is not finite", b[0], b[1]);
+  if (!gh_finite(b, 2))
+    return gh_fail(l->ctx, GH_INPUT, "weight per area (%g, %g) is not finite", b[0], b[1]);
   for (int e = 0; e < mesh->nelements; e++) {
     double x[4][2], grad[4][2], N[4], area;
     for (int a = 0; a < 4; a++) memcpy(x[a], mesh->X + 2 * mesh->quad[e][a], sizeof x[a]);

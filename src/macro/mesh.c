@@ -1,4 +1,5 @@
-/* Meshes of bilinear quadrilaterals: rectangle, check, sets, Gauss points. SPDX-License-Identifier: GPL-2.0-or-later */
+/* Meshes of bilinear quadrilaterals: rectangle, check, sets, Gauss points. SPDX-License-Identifier:
+ * GPL-2.0-or-later */
 #include "macro/internal.h"
 
 #include <limits.h>
@@ -11,8 +12,8 @@ static double turn(const double a[2], const double b[2], const double c[2]) {
 }
 
 bool gh_quad_convex(const double x[4][2]) {
-  /* The Jacobian is linear between the corners' values, which are these turns: positive there, it is positive inside.
-   * The margin keeps corners of 180 degrees out whatever the round-off. */
+  /* The Jacobian is linear between the corners' values, which are these turns: positive there, it is positive
+   * inside. The margin keeps corners of 180 degrees out whatever the round-off. */
   double diagonal = hypot(x[2][0] - x[0][0], x[2][1] - x[0][1]) * hypot(x[3][0] - x[1][0], x[3][1] - x[1][1]);
   for (int a = 0; a < 4; a++)
     if (!(turn(x[(a + 3) % 4], x[a], x[(a + 1) % 4]) > 1e-12 * diagonal)) return false;
@@ -22,7 +23,8 @@ bool gh_quad_convex(const double x[4][2]) {
 gh_status gh_mesh_check(gh_context *ctx, const gh_mesh *mesh) {
   if (mesh->nelements < 1) return gh_fail(ctx, GH_INPUT, "the mesh has no quadrilateral");
   for (int a = 0; a < mesh->nnodes; a++)
-    if (!gh_finite(mesh->X + 2 * a, 2)) return gh_fail(ctx, GH_INPUT, "coordinates of node %d are not finite", a);
+    if (!gh_finite(mesh->X + 2 * a, 2))
+      return gh_fail(ctx, GH_INPUT, "coordinates of node %d are not finite", a);
   for (int e = 0; e < mesh->nelements; e++) {
     double x[4][2];
     for (int a = 0; a < 4; a++) {
@@ -33,8 +35,8 @@ gh_status gh_mesh_check(gh_context *ctx, const gh_mesh *mesh) {
     }
     if (!gh_quad_convex((const double(*)[2])x))
       return gh_fail(ctx, GH_INPUT,
-                     "element %d with corners (%g, %g) (%g, %g) (%g, %g) (%g, %g) is inverted or not convex", e,
-                     x[0][0], x[0][1], x[1][0], x[1][1], x[2][0], x[2][1], x[3][0], x[3][1]);
+                     "element %d with corners (%g, %g) (%g, %g) (%g, %g) (%g, %g) is inverted or not convex",
+                     e, x[0][0], x[0][1], x[1][0], x[1][1], x[2][0], x[2][1], x[3][0], x[3][1]);
   }
   return GH_OK;
 }
@@ -72,8 +74,10 @@ void gh_mesh_destroy(gh_mesh **mesh) {
   *mesh = NULL;
 }
 
-/* A side of the rectangle: n edges, nodes first, first + stride, ...; reversed where the body would be on the right. */
-static gh_status side(gh_context *ctx, gh_mesh_set *set, const char *name, int n, int first, int stride, bool reversed) {
+/* A side of the rectangle: n edges, nodes first, first + stride, ...; reversed where the body would be on the
+ * right. */
+static gh_status side(gh_context *ctx, gh_mesh_set *set, const char *name, int n, int first, int stride,
+                      bool reversed) {
   GH_TRY(gh_alloc(ctx, strlen(name) + 1, 1, &set->name));
   strcpy(set->name, name);
   GH_TRY(gh_alloc(ctx, (size_t)n + 1, sizeof *set->nodes, &set->nodes));
@@ -88,7 +92,8 @@ static gh_status side(gh_context *ctx, gh_mesh_set *set, const char *name, int n
   return GH_OK;
 }
 
-static gh_status fill_rectangle(gh_context *ctx, const double low[2], const double size[2], const int n[2], gh_mesh *m) {
+static gh_status fill_rectangle(gh_context *ctx, const double low[2], const double size[2], const int n[2],
+                                gh_mesh *m) {
   int row = n[0] + 1;
   m->nnodes = row * (n[1] + 1);
   m->nelements = n[0] * n[1];
@@ -116,11 +121,13 @@ gh_status gh_mesh_rectangle(gh_context *ctx, const double low[2], const double s
                             gh_mesh **mesh) {
   *mesh = NULL;
   for (int i = 0; i < 2; i++) {
-    if (!isfinite(low[i])) return gh_fail(ctx, GH_INPUT, "rectangle: corner (%g, %g) is not finite", low[0], low[1]);
+    if (!isfinite(low[i]))
+      return gh_fail(ctx, GH_INPUT, "rectangle: corner (%g, %g) is not finite", low[0], low[1]);
     if (!(size[i] > 0) || !isfinite(size[i]))
       return gh_fail(ctx, GH_INPUT, "rectangle: size %g x %g must be positive", size[0], size[1]);
     if (elements[i] < 1)
-      return gh_fail(ctx, GH_INPUT, "rectangle: %d x %d elements, at least 1 x 1 needed", elements[0], elements[1]);
+      return gh_fail(ctx, GH_INPUT, "rectangle: %d x %d elements, at least 1 x 1 needed", elements[0],
+                     elements[1]);
   }
   if ((elements[0] + 1.0) * (elements[1] + 1.0) * 32 > INT_MAX)
     return gh_fail(ctx, GH_INPUT, "rectangle: %d x %d elements are too many", elements[0], elements[1]);

@@ -3,10 +3,10 @@
 
 #include <stdlib.h>
 
-/* Rigid motions of a body about its first node: x, y, rotation over the body's size. Each fixed degree of freedom is a
- * linear form on them; gram = sum of its outer products has full rank when nothing is free. */
+/* Rigid motions of a body about its first node: x, y, rotation over the body's size. Each fixed degree of
+ * freedom is a linear form on them; gram = sum of its outer products has full rank when nothing is free. */
 typedef struct body {
-  int node;          /* its first */
+  int node; /* its first */
   double gram[3][3];
   double low[2], high[2];
 } body;
@@ -50,7 +50,8 @@ static void gather(const gh_mesh *mesh, const unsigned char *fixed, const int *p
   }
 }
 
-/* What the supports leave free; NULL when nothing. The rotation is what remains after x and y are eliminated. */
+/* What the supports leave free; NULL when nothing. The rotation is what remains after x and y are eliminated.
+ */
 static const char *freedom(const double g[3][3]) {
   if (g[0][0] == 0 && g[1][1] == 0) return "in x, in y and to turn";
   if (g[0][0] == 0) return "in x";
@@ -71,8 +72,8 @@ gh_status gh_supports_check(gh_context *ctx, const gh_mesh *mesh, const unsigned
   for (int a = 0; a < mesh->nnodes && status == GH_OK; a++) {
     const char *what = parent[a] == a ? freedom((const double(*)[3])bodies[a].gram) : NULL;
     if (what)
-      status = gh_fail(ctx, GH_INPUT, "the supports leave the body with node %d at (%g, %g) free %s", a, mesh->X[2 * a],
-                       mesh->X[2 * a + 1], what);
+      status = gh_fail(ctx, GH_INPUT, "the supports leave the body with node %d at (%g, %g) free %s", a,
+                       mesh->X[2 * a], mesh->X[2 * a + 1], what);
   }
 done:
   free(parent);

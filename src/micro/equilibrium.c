@@ -1,13 +1,15 @@
-/* Equilibrium of the free grains: dynamic relaxation, polished by Newton (method 3). SPDX-License-Identifier: GPL-2.0-or-later
+/* Equilibrium of the free grains: dynamic relaxation, polished by Newton (method 3). SPDX-License-Identifier:
+ * GPL-2.0-or-later
  *
- * Relaxation alone decides on which branch the packing ends. Newton takes over only where it cannot change the branch: while the stiffness is
- * positive definite and every full step at least halves the residual; else relaxation goes on ten times further. */
+ * Relaxation alone decides on which branch the packing ends. Newton takes over only where it cannot change
+ * the branch: while the stiffness is positive definite and every full step at least halves the residual; else
+ * relaxation goes on ten times further. */
 #include "micro/internal.h"
 
 #include <float.h>
 #include <string.h>
 
-static const double first_relaxation = 1e-3;
+static const double first_relaxation = 1e-5;
 
 gh_status gh_rve_look_at_contacts(gh_rve *r) {
   double start = gh_seconds();
@@ -17,10 +19,12 @@ gh_status gh_rve_look_at_contacts(gh_rve *r) {
   if (r->relaxes)
     for (int i = 0; i < r->n; i++)
       if (!(r->held && r->held[i])) largest = fmax(largest, hypot(r->force[2 * i], r->force[2 * i + 1]));
-  if (!isfinite(sum) || !isfinite(largest)) return gh_fail(r->ctx, GH_DIVERGED, "a contact force is not finite");
+  if (!isfinite(sum) || !isfinite(largest))
+    return gh_fail(r->ctx, GH_DIVERGED, "a contact force is not finite");
   r->m.mean_force = r->ncontacts ? sum / r->ncontacts : 0;
-  r->m.unjammed = r->m.mean_force <= r->floor;
-  r->m.residual = r->m.unjammed ? 0 : largest / r->m.mean_force;
+  /* Grains that follow F and just touch carry nothing yet, but they are stiff (6.10); free ones are loose. */
+  r->m.unjammed = r->relaxes ? r->m.mean_force <= r->floor : r->ncontacts == 0;
+  r->m.residual = r->m.mean_force > 0 && !r->m.unjammed ? largest / r->m.mean_force : 0;
   r->m.contacts = r->ncontacts;
   r->cost.evaluations++;
   r->cost.contacts += gh_seconds() - start;
@@ -44,16 +48,21 @@ static gh_status relax(gh_rve *r, double tolerance, long *left) {
   r->cost.relax += gh_seconds() - start;
   GH_TRY(gh_rve_look_at_contacts(r));
   if (!result.converged && r->m.residual > tolerance)
-    return gh_fail(r->ctx, GH_DIVERGED, "no equilibrium within %ld relaxation steps at F = [%.6g %.6g; %.6g %.6g]: the largest force is %.3g of the mean contact force, wanted %.3g",
+    return gh_fail(r->ctx, GH_DIVERGED,
+                   "no equilibrium within %ld relaxation steps at F = [%.6g %.6g; %.6g %.6g]: the largest "
+                   "force is %.3g of the mean contact force, wanted %.3g",
                    r->m.steps, r->F[0], r->F[1], r->F[2], r->F[3], r->m.residual, tolerance);
   return GH_OK;
 }
 
 static gh_status factorise(gh_rve *r, bool *definite) {
   double start = gh_seconds();
-  GH_TRY(gh_rattlers_find(r->ctx, r->rattlers, r->n, r->held, r->contacts, r->ncontacts, r->m.mean_force, &r->m.rattlers));
-  GH_TRY(gh_stiffness_number(r->ctx, r->stiffness, r->n, r->held, r->rattlers->flag, r->contacts, r->ncontacts, r->periodic));
-  GH_TRY(gh_stiffness_factorise(r->ctx, r->stiffness, r->rattlers->flag, r->contacts, r->ncontacts, 0, definite));
+  GH_TRY(gh_rattlers_find(r->ctx, r->rattlers, r->n, r->held, r->contacts, r->ncontacts, r->m.mean_force,
+                          &r->m.rattlers));
+  GH_TRY(gh_stiffness_number(r->ctx, r->stiffness, r->n, r->held, r->rattlers->flag, r->contacts,
+                             r->ncontacts, r->periodic));
+  GH_TRY(gh_stiffness_factorise(r->ctx, r->stiffness, r->rattlers->flag, r->contacts, r->ncontacts, 0,
+                                definite));
   r->m.factorisations++;
   r->cost.factorise += gh_seconds() - start;
   return GH_OK;
@@ -68,12 +77,14 @@ static gh_status newton_step(gh_rve *r) {
     if (s->active[i] >= 0) memcpy(&s->rhs[2 * s->active[i]], &r->force[2 * i], 2 * sizeof(double));
   GH_TRY(gh_stiffness_solve(r->ctx, r->stiffness, 1, &dx));
   for (int i = 0; i < r->n; i++)
-    for (int k = 0; k < 2; k++) r->step[2 * i + k] = r->x[2 * i + k] + (s->active[i] >= 0 ? dx[2 * s->active[i] + k] : 0);
+    for (int k = 0; k < 2; k++)
+      r->step[2 * i + k] = r->x[2 * i + k] + (s->active[i] >= 0 ? dx[2 * s->active[i] + k] : 0);
   r->cost.factorise += gh_seconds() - start;
   return gh_engine_move(r->engine, r->step);
 }
 
-/* Newton from the engine's positions as long as it is safe. *done: the residual is reached. Else the engine is at the last safe positions. */
+/* Newton from the engine's positions as long as it is safe. *done: the residual is reached. Else the engine
+ * is at the last safe positions. */
 static gh_status polish(gh_rve *r, bool *done) {
   *done = false;
   GH_TRY(gh_engine_get(r->engine, r->x));
@@ -97,8 +108,10 @@ static gh_status polish(gh_rve *r, bool *done) {
 
 gh_status gh_rve_equilibrate(gh_rve *r) {
   double cell[4];
+  double start = gh_seconds();
   gh_mul2(r->F, r->packing->cell, cell);
   GH_TRY(gh_engine_set(r->engine, cell, r->x));
+  r->cost.set += gh_seconds() - start;
   if (!r->relaxes) return gh_rve_look_at_contacts(r);
   long left = r->options.max_steps;
   double aim = fmax(first_relaxation, r->options.tolerance);

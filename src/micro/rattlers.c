@@ -1,7 +1,8 @@
 /* Rattlers: grains that their contacts cannot hold (Table 4.3). SPDX-License-Identifier: GPL-2.0-or-later
  *
- * A grain is held when the largest angular gap between its contacts is below 180 degrees. Contacts with marked grains do not count, so the
- * search is repeated until nothing changes. A gap of 180 degrees (two opposite contacts, the special case of the text) holds if it carries force. */
+ * A grain is held when the largest angular gap between its contacts is below 180 degrees. Contacts with
+ * marked grains do not count, so the search is repeated until nothing changes. A gap of 180 degrees (two
+ * opposite contacts, the special case of the text) holds if it carries force. */
 #include "micro/internal.h"
 
 #include <stdlib.h>
@@ -31,7 +32,8 @@ void gh_rattlers_destroy(gh_rattlers **rattlers) {
 }
 
 /* Lists for each grain its contacts: contact number c as seen from i is 2c, as seen from j 2c+1. */
-static gh_status link_contacts(gh_context *ctx, gh_rattlers *r, int n, const gh_contact *contacts, int ncontacts) {
+static gh_status link_contacts(gh_context *ctx, gh_rattlers *r, int n, const gh_contact *contacts,
+                               int ncontacts) {
   GH_TRY(gh_grow(ctx, 2 * (size_t)ncontacts + 1, sizeof(int), &r->link_capacity, &r->link));
   GH_TRY(gh_grow(ctx, 2 * (size_t)ncontacts + 1, sizeof(double), &r->angle_capacity, &r->angle));
   memset(r->start, 0, ((size_t)n + 2) * sizeof(int));
@@ -47,7 +49,8 @@ static gh_status link_contacts(gh_context *ctx, gh_rattlers *r, int n, const gh_
   return GH_OK;
 }
 
-/* Angles of the contacts of grain i with grains that are no rattlers, ascending; returns their number, *force the largest contact force. */
+/* Angles of the contacts of grain i with grains that are no rattlers, ascending; returns their number, *force
+ * the largest contact force. */
 static int angles(const gh_rattlers *r, int i, const gh_contact *contacts, double *angle, double *force) {
   int count = 0;
   *force = 0;
@@ -73,8 +76,8 @@ static bool is_rattler(const gh_rattlers *r, int i, const gh_contact *contacts, 
   return gap > pi + 1e-9 || (gap >= pi - 1e-9 && force <= 1e-6 * mean_force);
 }
 
-gh_status gh_rattlers_find(gh_context *ctx, gh_rattlers *r, int n, const unsigned char *held, const gh_contact *contacts, int ncontacts,
-                           double mean_force, int *count) {
+gh_status gh_rattlers_find(gh_context *ctx, gh_rattlers *r, int n, const unsigned char *held,
+                           const gh_contact *contacts, int ncontacts, double mean_force, int *count) {
   GH_TRY(link_contacts(ctx, r, n, contacts, ncontacts));
   for (int i = 0; i < n; i++) r->flag[i] = 0;
   *count = 0;

@@ -1,4 +1,5 @@
-/* One RVE: converged state, trial state, and the way from F to P and A. SPDX-License-Identifier: GPL-2.0-or-later */
+/* One RVE: converged state, trial state, and the way from F to P and A. SPDX-License-Identifier:
+ * GPL-2.0-or-later */
 #include "micro/internal.h"
 
 #include <stdlib.h>
@@ -14,10 +15,13 @@ bool gh_boundary_from_name(const char *name, gh_boundary *b) {
   return false;
 }
 
-const char *gh_boundary_name(gh_boundary b) { return boundary_names[b]; }
+const char *gh_boundary_name(gh_boundary b) {
+  return boundary_names[b];
+}
 
 gh_rve_options gh_rve_defaults(void) {
-  return (gh_rve_options){.boundary = GH_PERIODIC, .engine = GH_ENGINE_LAMMPS, .tolerance = 1e-8, .max_steps = DEFAULT_STEPS};
+  return (gh_rve_options){
+      .boundary = GH_PERIODIC, .engine = GH_ENGINE_LAMMPS, .tolerance = 1e-8, .max_steps = DEFAULT_STEPS};
 }
 
 void gh_rve_destroy(gh_rve **rve) {
@@ -35,8 +39,11 @@ void gh_rve_destroy(gh_rve **rve) {
 }
 
 static gh_status check_options(gh_context *ctx, const gh_rve_options *o) {
-  if (!(o->tolerance > 0) || !(o->tolerance < 1)) return gh_fail(ctx, GH_INPUT, "the tolerance must lie between 0 and 1, not %g", o->tolerance);
-  if (o->max_steps < 0) return gh_fail(ctx, GH_INPUT, "the number of relaxation steps must not be negative, but is %ld", o->max_steps);
+  if (!(o->tolerance > 0) || !(o->tolerance < 1))
+    return gh_fail(ctx, GH_INPUT, "the tolerance must lie between 0 and 1, not %g", o->tolerance);
+  if (o->max_steps < 0)
+    return gh_fail(ctx, GH_INPUT, "the number of relaxation steps must not be negative, but is %ld",
+                   o->max_steps);
   return GH_OK;
 }
 
@@ -44,7 +51,11 @@ static gh_status make_engine(gh_rve *r) {
   const gh_cluster *c = r->cluster;
   r->radius = c ? c->radius : r->packing->radius;
   if (r->options.boundary == GH_RESTRICTED) r->held = c->boundary;
-  gh_engine_setup setup = {.n = r->n, .radius = r->radius, .type = c ? c->type : r->packing->type, .held = r->held, .periodic = r->periodic,
+  gh_engine_setup setup = {.n = r->n,
+                           .radius = r->radius,
+                           .type = c ? c->type : r->packing->type,
+                           .held = r->held,
+                           .periodic = r->periodic,
                            .law = r->options.law};
   return gh_engine_create(r->ctx, r->options.engine, &setup, &r->engine);
 }
@@ -52,7 +63,8 @@ static gh_status make_engine(gh_rve *r) {
 static gh_status make_state(gh_rve *r) {
   size_t n = 2 * (size_t)r->n;
   double **const arrays[] = {&r->X, &r->yn, &r->y, &r->x, &r->step};
-  for (size_t k = 0; k < sizeof arrays / sizeof *arrays; k++) GH_TRY(gh_alloc(r->ctx, n, sizeof(double), arrays[k]));
+  for (size_t k = 0; k < sizeof arrays / sizeof *arrays; k++)
+    GH_TRY(gh_alloc(r->ctx, n, sizeof(double), arrays[k]));
   GH_TRY(gh_alloc(r->ctx, n, sizeof(int), &r->view_grain));
   GH_TRY(gh_alloc(r->ctx, n, sizeof(int), &r->view_id));
   GH_TRY(gh_alloc(r->ctx, n, 1, &r->view_flags));
@@ -64,7 +76,8 @@ static gh_status make_state(gh_rve *r) {
   return GH_OK;
 }
 
-gh_status gh_rve_create(gh_context *ctx, const gh_packing *packing, const gh_rve_options *options, gh_rve **rve) {
+gh_status gh_rve_create(gh_context *ctx, const gh_packing *packing, const gh_rve_options *options,
+                        gh_rve **rve) {
   *rve = NULL;
   GH_TRY(check_options(ctx, options));
   gh_rve *r;
@@ -104,10 +117,13 @@ static void pull_back(gh_rve *r) {
 }
 
 static gh_status evaluate(gh_rve *r, unsigned want, double A[16]) {
-  for (int i = 0; i < r->n; i++) gh_apply2(r->F, &r->yn[2 * i], &r->x[2 * i]); /* the affine guess keeps the fluctuations */
+  for (int i = 0; i < r->n; i++)
+    gh_apply2(r->F, &r->yn[2 * i], &r->x[2 * i]); /* the affine guess keeps the fluctuations */
   GH_TRY(gh_rve_equilibrate(r));
   if (r->relaxes) pull_back(r);
-  if (r->relaxes) GH_TRY(gh_rattlers_find(r->ctx, r->rattlers, r->n, r->held, r->contacts, r->ncontacts, r->m.mean_force, &r->m.rattlers));
+  if (r->relaxes)
+    GH_TRY(gh_rattlers_find(r->ctx, r->rattlers, r->n, r->held, r->contacts, r->ncontacts, r->m.mean_force,
+                            &r->m.rattlers));
   GH_TRY(gh_rve_sums(r));
   return want & GH_WANT_TANGENT ? gh_rve_tangent(r, A) : GH_OK;
 }
@@ -115,9 +131,11 @@ static gh_status evaluate(gh_rve *r, unsigned want, double A[16]) {
 gh_status gh_rve_evaluate(gh_rve *r, const double F[4], unsigned want, double P[4], double A[16]) {
   double start = gh_seconds();
   r->trial = false;
-  if (!gh_finite(F, 4)) return gh_fail(r->ctx, GH_INPUT, "F = [%g %g; %g %g] is not finite", F[0], F[1], F[2], F[3]);
+  if (!gh_finite(F, 4))
+    return gh_fail(r->ctx, GH_INPUT, "F = [%g %g; %g %g] is not finite", F[0], F[1], F[2], F[3]);
   if (!(gh_det2(F) > 0))
-    return gh_fail(r->ctx, GH_INPUT, "F = [%g %g; %g %g] has the determinant %g; it must be positive", F[0], F[1], F[2], F[3], gh_det2(F));
+    return gh_fail(r->ctx, GH_INPUT, "F = [%g %g; %g %g] has the determinant %g; it must be positive", F[0],
+                   F[1], F[2], F[3], gh_det2(F));
   r->m = (gh_rve_measures){.acoustic = NAN, .acoustic_angle = NAN};
   memcpy(r->F, F, sizeof r->F);
   memcpy(r->m.F, F, sizeof r->m.F);
@@ -142,7 +160,9 @@ gh_status gh_rve_revert(gh_rve *r) {
   return GH_OK;
 }
 
-const gh_rve_measures *gh_rve_measure(const gh_rve *r) { return &r->m; }
+const gh_rve_measures *gh_rve_measure(const gh_rve *r) {
+  return &r->m;
+}
 
 void gh_rve_costs(const gh_rve *r, gh_rve_cost *cost) {
   *cost = r->cost;
@@ -152,7 +172,9 @@ void gh_rve_costs(const gh_rve *r, gh_rve_cost *cost) {
   }
 }
 
-size_t gh_rve_state_size(const gh_rve *r) { return 4 + 2 * (size_t)r->n; }
+size_t gh_rve_state_size(const gh_rve *r) {
+  return 4 + 2 * (size_t)r->n;
+}
 
 gh_status gh_rve_save(const gh_rve *r, double *state) {
   memcpy(state, r->Fn, sizeof r->Fn);
@@ -162,9 +184,11 @@ gh_status gh_rve_save(const gh_rve *r, double *state) {
 
 gh_status gh_rve_load(gh_rve *r, const double *state) {
   if (!gh_finite(state, gh_rve_state_size(r)) || !(gh_det2(state) > 0))
-    return gh_fail(r->ctx, GH_INPUT, "the state to load has a value that is not finite, or F with det F <= 0");
+    return gh_fail(r->ctx, GH_INPUT,
+                   "the state to load has a value that is not finite, or F with det F <= 0");
   memcpy(r->Fn, state, sizeof r->Fn);
   memcpy(r->yn, state + 4, 2 * (size_t)r->n * sizeof(double));
+  memcpy(r->y, r->yn, 2 * (size_t)r->n * sizeof(double)); /* where all grains follow F, no evaluation sets it */
   r->trial = false;
   return GH_OK;
 }

@@ -1,4 +1,5 @@
-/* Stiffness of the free grains in compressed columns, its Cholesky factor by CHOLMOD. SPDX-License-Identifier: GPL-2.0-or-later */
+/* Stiffness of the free grains in compressed columns, its Cholesky factor by CHOLMOD.
+ * SPDX-License-Identifier: GPL-2.0-or-later */
 #include "micro/internal.h"
 
 #include <stdlib.h>
@@ -34,7 +35,8 @@ void gh_stiffness_destroy(gh_stiffness **stiffness) {
   *stiffness = NULL;
 }
 
-/* Root of a grain in the forest of grains that hang together (active holds parents, -1 - number once numbered). */
+/* Root of a grain in the forest of grains that hang together (active holds parents, -1 - number once
+ * numbered). */
 static int root_of(int *parent, int i) {
   while (parent[i] != i) {
     parent[i] = parent[parent[i]];
@@ -43,8 +45,9 @@ static int root_of(int *parent, int i) {
   return i;
 }
 
-gh_status gh_stiffness_number(gh_context *ctx, gh_stiffness *s, int n, const unsigned char *held, const unsigned char *rattler,
-                              const gh_contact *contacts, int ncontacts, bool pin) {
+gh_status gh_stiffness_number(gh_context *ctx, gh_stiffness *s, int n, const unsigned char *held,
+                              const unsigned char *rattler, const gh_contact *contacts, int ncontacts,
+                              bool pin) {
   int *a = s->active;
   GH_TRY(gh_grow(ctx, 2 * (size_t)n + 2, sizeof(int), &s->diagonal_capacity, &s->diagonal));
   int *group = s->diagonal; /* free for use until the pattern is made */
@@ -66,7 +69,8 @@ gh_status gh_stiffness_number(gh_context *ctx, gh_stiffness *s, int n, const uns
 }
 
 /* Contacts between two unknown grains, one entry per pair: contacts come sorted by (i, j). */
-static gh_status collect(gh_context *ctx, gh_stiffness *s, const gh_contact *contacts, int ncontacts, int **pairs, size_t *npairs) {
+static gh_status collect(gh_context *ctx, gh_stiffness *s, const gh_contact *contacts, int ncontacts,
+                         int **pairs, size_t *npairs) {
   GH_TRY(gh_grow(ctx, (size_t)ncontacts + 1, sizeof(int), &s->slot_capacity, &s->slot));
   GH_TRY(gh_grow(ctx, 2 * (s->npattern + (size_t)ncontacts), sizeof(int), &s->pattern_capacity, &s->pattern));
   int *list = s->pattern + 2 * s->npattern; /* behind the pattern in use, to compare with it */
@@ -87,7 +91,8 @@ static gh_status collect(gh_context *ctx, gh_stiffness *s, const gh_contact *con
   return GH_OK;
 }
 
-/* Compressed columns of the upper triangle. Column block j holds the blocks (i, j), i ascending, then its diagonal. */
+/* Compressed columns of the upper triangle. Column block j holds the blocks (i, j), i ascending, then its
+ * diagonal. */
 static gh_status make_columns(gh_context *ctx, gh_stiffness *s) {
   size_t n = (size_t)s->nactive, nnz = 4 * s->npattern + 3 * n;
   GH_TRY(gh_grow(ctx, 2 * n + 1, sizeof(int), &s->p_capacity, &s->K.p));
@@ -119,7 +124,8 @@ static gh_status make_columns(gh_context *ctx, gh_stiffness *s) {
   return GH_OK;
 }
 
-/* Turns the numbers of pairs in slot into places: first entry of the block's first column. `fill` is the next free place of a column block. */
+/* Turns the numbers of pairs in slot into places: first entry of the block's first column. `fill` is the next
+ * free place of a column block. */
 static void place_blocks(gh_stiffness *s, int ncontacts, int *fill) {
   const int *p = s->K.p;
   int *row = s->K.i;
@@ -140,7 +146,8 @@ static void place_blocks(gh_stiffness *s, int ncontacts, int *fill) {
   }
 }
 
-static void assemble(gh_stiffness *s, const unsigned char *rattler, const gh_contact *contacts, int ncontacts, double shift) {
+static void assemble(gh_stiffness *s, const unsigned char *rattler, const gh_contact *contacts, int ncontacts,
+                     double shift) {
   double *k = s->K.x;
   const int *p = s->K.p;
   memset(k, 0, s->K.nzmax * sizeof *k);
@@ -168,23 +175,25 @@ static void assemble(gh_stiffness *s, const unsigned char *rattler, const gh_con
     }
 }
 
-gh_status gh_stiffness_factorise(gh_context *ctx, gh_stiffness *s, const unsigned char *rattler, const gh_contact *contacts, int ncontacts,
-                                 double shift, bool *definite) {
+gh_status gh_stiffness_factorise(gh_context *ctx, gh_stiffness *s, const unsigned char *rattler,
+                                 const gh_contact *contacts, int ncontacts, double shift, bool *definite) {
   *definite = true;
   if (s->nactive == 0) return GH_OK;
   int *pairs;
   size_t npairs, n = (size_t)s->nactive;
   GH_TRY(collect(ctx, s, contacts, ncontacts, &pairs, &npairs));
-  bool same = s->L && s->L->n == 2 * n && npairs == s->npattern && !memcmp(pairs, s->pattern, 2 * npairs * sizeof(int));
+  bool same = s->L && s->L->n == 2 * n && npairs == s->npattern &&
+              !memcmp(pairs, s->pattern, 2 * npairs * sizeof(int));
   if (!same) {
     memmove(s->pattern, pairs, 2 * npairs * sizeof(int));
     s->npattern = npairs;
   }
-  GH_TRY(make_columns(ctx, s)); /* the numbering used the same memory for its groups */
+  GH_TRY(make_columns(ctx, s));      /* the numbering used the same memory for its groups */
   int *fill = (int *)(void *)s->rhs; /* not in use yet */
   place_blocks(s, ncontacts, fill);
   assemble(s, rattler, contacts, ncontacts, shift);
-  if (!gh_finite(s->K.x, s->K.nzmax)) return gh_fail(ctx, GH_DIVERGED, "the stiffness of the packing is not finite");
+  if (!gh_finite(s->K.x, s->K.nzmax))
+    return gh_fail(ctx, GH_DIVERGED, "the stiffness of the packing is not finite");
   if (!same) {
     cholmod_free_factor(&s->L, &s->common);
     s->L = cholmod_analyze(&s->K, &s->common);
@@ -193,7 +202,8 @@ gh_status gh_stiffness_factorise(gh_context *ctx, gh_stiffness *s, const unsigne
   }
   cholmod_factorize(&s->K, s->L, &s->common);
   s->factorisations++;
-  if (s->common.status < CHOLMOD_OK) return gh_fail(ctx, GH_MEMORY, "CHOLMOD failed to factorise (status %d)", s->common.status);
+  if (s->common.status < CHOLMOD_OK)
+    return gh_fail(ctx, GH_MEMORY, "CHOLMOD failed to factorise (status %d)", s->common.status);
   *definite = s->L->minor == s->L->n && cholmod_rcond(s->L, &s->common) > 1e-15;
   s->common.status = CHOLMOD_OK;
   return GH_OK;
@@ -203,10 +213,18 @@ gh_status gh_stiffness_solve(gh_context *ctx, gh_stiffness *s, int ncol, const d
   size_t n = 2 * (size_t)s->nactive;
   *X = s->rhs;
   if (n == 0) return GH_OK;
-  cholmod_dense B = {.nrow = n, .ncol = (size_t)ncol, .nzmax = n * (size_t)ncol, .d = n, .x = s->rhs, .xtype = CHOLMOD_REAL, .dtype = CHOLMOD_DOUBLE};
+  cholmod_dense B = {.nrow = n,
+                     .ncol = (size_t)ncol,
+                     .nzmax = n * (size_t)ncol,
+                     .d = n,
+                     .x = s->rhs,
+                     .xtype = CHOLMOD_REAL,
+                     .dtype = CHOLMOD_DOUBLE};
   if (!cholmod_solve2(CHOLMOD_A, s->L, &B, NULL, &s->X, NULL, &s->Y, &s->E, &s->common))
-    return gh_fail(ctx, GH_MEMORY, "CHOLMOD failed to solve for %zu unknowns (status %d)", n, s->common.status);
+    return gh_fail(ctx, GH_MEMORY, "CHOLMOD failed to solve for %zu unknowns (status %d)", n,
+                   s->common.status);
   *X = s->X->x;
-  if (!gh_finite(*X, n * (size_t)ncol)) return gh_fail(ctx, GH_DIVERGED, "the solution with the stiffness of the packing is not finite");
+  if (!gh_finite(*X, n * (size_t)ncol))
+    return gh_fail(ctx, GH_DIVERGED, "the solution with the stiffness of the packing is not finite");
   return GH_OK;
 }

@@ -1,4 +1,5 @@
-/* Stress, energy and tangent of an RVE in equilibrium (methods 4, 5). SPDX-License-Identifier: GPL-2.0-or-later */
+/* Stress, energy and tangent of an RVE in equilibrium (methods 4, 5). SPDX-License-Identifier:
+ * GPL-2.0-or-later */
 #include "micro/internal.h"
 
 #include <string.h>
@@ -38,7 +39,8 @@ gh_status gh_rve_sums(gh_rve *r) {
   return GH_OK;
 }
 
-/* A at fixed fluctuations (6.3), and the mixed derivatives G of the energy with respect to the unknown positions and F, one column per component of F (6.18). */
+/* A at fixed fluctuations (6.3), and the mixed derivatives G of the energy with respect to the unknown
+ * positions and F, one column per component of F (6.18). */
 static void direct_part(gh_rve *r, double A[16]) {
   const gh_stiffness *s = r->stiffness;
   size_t rows = r->relaxes ? 2 * (size_t)s->nactive : 0;
@@ -58,19 +60,24 @@ static void direct_part(gh_rve *r, double A[16]) {
       if (a < 0) continue;
       double sign = e ? 1 : -1;
       for (int i = 0; i < 2; i++)
-        for (int kL = 0; kL < 4; kL++) s->rhs[rows * (size_t)kL + (size_t)(2 * a + i)] += sign * h[2 * i + kL / 2] * m[kL % 2];
+        for (int kL = 0; kL < 4; kL++)
+          s->rhs[rows * (size_t)kL + (size_t)(2 * a + i)] += sign * h[2 * i + kL / 2] * m[kL % 2];
     }
   }
 }
 
-/* Factor of the stiffness at the equilibrium; shifted when it is not positive definite (a mode without stiffness). */
+/* Factor of the stiffness at the equilibrium; shifted when it is not positive definite (a mode without
+ * stiffness). */
 static gh_status factor_of_equilibrium(gh_rve *r) {
   bool definite;
   double shift = 0;
-  GH_TRY(gh_rattlers_find(r->ctx, r->rattlers, r->n, r->held, r->contacts, r->ncontacts, r->m.mean_force, &r->m.rattlers));
-  GH_TRY(gh_stiffness_number(r->ctx, r->stiffness, r->n, r->held, r->rattlers->flag, r->contacts, r->ncontacts, r->periodic));
+  GH_TRY(gh_rattlers_find(r->ctx, r->rattlers, r->n, r->held, r->contacts, r->ncontacts, r->m.mean_force,
+                          &r->m.rattlers));
+  GH_TRY(gh_stiffness_number(r->ctx, r->stiffness, r->n, r->held, r->rattlers->flag, r->contacts,
+                             r->ncontacts, r->periodic));
   for (;;) {
-    GH_TRY(gh_stiffness_factorise(r->ctx, r->stiffness, r->rattlers->flag, r->contacts, r->ncontacts, shift, &definite));
+    GH_TRY(gh_stiffness_factorise(r->ctx, r->stiffness, r->rattlers->flag, r->contacts, r->ncontacts, shift,
+                                  &definite));
     r->m.factorisations++;
     if (definite) return GH_OK;
     r->m.regularised = 1;
@@ -125,7 +132,8 @@ gh_status gh_rve_boundary_stress(gh_rve *r, double P[4]) {
       bridge(r, &r->contacts[c], y, m);
       for (int k = 0; k < 4; k++) P[k] += r->contacts[c].f[k / 2] * m[k % 2];
     }
-  for (int i = 0; i < r->n; i++) { /* (5.16), (5.19): outer forces balance the contacts of the prescribed grains */
+  for (int i = 0; i < r->n;
+       i++) { /* (5.16), (5.19): outer forces balance the contacts of the prescribed grains */
     if (r->relaxes && !(r->held && r->held[i])) continue;
     for (int k = 0; k < 4; k++) P[k] -= r->force[2 * i + k / 2] * y[2 * i + k % 2];
   }

@@ -1,4 +1,5 @@
-/* Looking into an RVE: grains, flags and contacts of the last evaluation. SPDX-License-Identifier: GPL-2.0-or-later */
+/* Looking into an RVE: grains, flags and contacts of the last evaluation. SPDX-License-Identifier:
+ * GPL-2.0-or-later */
 #include "micro/internal.h"
 
 #include <string.h>
@@ -12,10 +13,18 @@ gh_status gh_rve_look(gh_rve *r, gh_rve_view *view) {
     r->view_grain[i] = primary;
     r->view_id[i] = p->id[primary];
     bool rattler = r->rattlers && r->rattlers->flag[i], held = !r->relaxes || (r->held && r->held[i]);
-    r->view_flags[i] = (unsigned char)((rattler ? RATTLER : 0) | (held ? HELD : 0) | (i >= p->n ? REPLICA : 0));
+    r->view_flags[i] =
+        (unsigned char)((rattler ? RATTLER : 0) | (held ? HELD : 0) | (i >= p->n ? REPLICA : 0));
   }
-  *view = (gh_rve_view){.n = r->n, .ncontacts = r->ncontacts, .x = r->x, .radius = r->radius, .grain = r->view_grain,
-                        .type = r->cluster ? r->cluster->type : p->type, .id = r->view_id, .flags = r->view_flags, .contacts = r->contacts,
+  *view = (gh_rve_view){.n = r->n,
+                        .ncontacts = r->ncontacts,
+                        .x = r->x,
+                        .radius = r->radius,
+                        .grain = r->view_grain,
+                        .type = r->cluster ? r->cluster->type : p->type,
+                        .id = r->view_id,
+                        .flags = r->view_flags,
+                        .contacts = r->contacts,
                         .periodic = r->periodic};
   gh_mul2(r->F, p->cell, view->cell);
   gh_apply2(r->F, p->low, view->low);

@@ -1,4 +1,5 @@
-/* Primary grains and replicas; boundary sets (3.14, 3.15; method 8.1). SPDX-License-Identifier: GPL-2.0-or-later */
+/* Primary grains and replicas; boundary sets (3.14, 3.15; method 8.1). SPDX-License-Identifier:
+ * GPL-2.0-or-later */
 #include "granhom/packing.h"
 
 #include <stdlib.h>
@@ -17,8 +18,8 @@ void gh_cluster_destroy(gh_cluster **cluster) {
   *cluster = NULL;
 }
 
-/* Shifts along direction k that put a replica beside the cell: +1 if the closed disk reaches the low face, -1 for the high face.
- * low[k], high[k] tell; height: distance of the two faces. */
+/* Shifts along direction k that put a replica beside the cell: +1 if the closed disk reaches the low face, -1
+ * for the high face. low[k], high[k] tell; height: distance of the two faces. */
 static void reaches(const gh_packing *p, const double inverse[4], int i, bool low[2], bool high[2]) {
   double s[2] = {p->x[2 * i] - p->low[0], p->x[2 * i + 1] - p->low[1]};
   gh_apply2(inverse, s, s);
@@ -72,7 +73,9 @@ gh_status gh_cluster_create(gh_context *ctx, const gh_packing *p, gh_cluster **c
     int i = c->grain[m];
     c->radius[m] = p->radius[i];
     c->type[m] = p->type[i];
-    for (int k = 0; k < 2; k++) c->x[2 * m + k] = p->x[2 * i + k] + p->cell[2 * k] * c->image[m][0] + p->cell[2 * k + 1] * c->image[m][1];
+    for (int k = 0; k < 2; k++)
+      c->x[2 * m + k] =
+          p->x[2 * i + k] + p->cell[2 * k] * c->image[m][0] + p->cell[2 * k + 1] * c->image[m][1];
   }
   *cluster = c;
   return GH_OK;

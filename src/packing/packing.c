@@ -37,9 +37,11 @@ static int by_id(const void *a, const void *b) {
 static gh_status check_grain(gh_context *ctx, const char *path, const gh_lammps_data *d, int k) {
   if (d->id[k] < 1) return gh_fail(ctx, GH_INPUT, "%s:%d: id %d: ids start at 1", path, d->line[k], d->id[k]);
   if (!(d->diameter[k] > 0))
-    return gh_fail(ctx, GH_INPUT, "%s:%d: grain %d has the diameter %g; it must be positive", path, d->line[k], d->id[k], d->diameter[k]);
+    return gh_fail(ctx, GH_INPUT, "%s:%d: grain %d has the diameter %g; it must be positive", path,
+                   d->line[k], d->id[k], d->diameter[k]);
   if (d->x[3 * k + 2] != 0)
-    return gh_fail(ctx, GH_INPUT, "%s:%d: grain %d has z = %g; plane packings have z = 0", path, d->line[k], d->id[k], d->x[3 * k + 2]);
+    return gh_fail(ctx, GH_INPUT, "%s:%d: grain %d has z = %g; plane packings have z = 0", path, d->line[k],
+                   d->id[k], d->x[3 * k + 2]);
   return GH_OK;
 }
 
@@ -51,12 +53,15 @@ static void wrap(const gh_packing *p, const double inverse[4], double x[2]) {
   for (int a = 0; a < 2; a++) x[a] -= p->cell[2 * a] * k[0] + p->cell[2 * a + 1] * k[1];
 }
 
-static gh_status fill(gh_context *ctx, const char *path, const gh_lammps_data *d, entry *order, gh_packing *p) {
+static gh_status fill(gh_context *ctx, const char *path, const gh_lammps_data *d, entry *order,
+                      gh_packing *p) {
   p->cell[0] = d->high[0] - d->low[0];
   p->cell[1] = d->xy;
   p->cell[3] = d->high[1] - d->low[1];
   memcpy(p->low, d->low, sizeof p->low);
-  if (d->xz != 0 || d->yz != 0) return gh_fail(ctx, GH_INPUT, "%s: xz = %g and yz = %g tilt the cell out of the plane", path, d->xz, d->yz);
+  if (d->xz != 0 || d->yz != 0)
+    return gh_fail(ctx, GH_INPUT, "%s: xz = %g and yz = %g tilt the cell out of the plane", path, d->xz,
+                   d->yz);
   if (!(gh_det2(p->cell) > 0)) return gh_fail(ctx, GH_INPUT, "%s: the cell has no area", path);
   double inverse[4];
   gh_inv2(p->cell, inverse);
@@ -68,7 +73,8 @@ static gh_status fill(gh_context *ctx, const char *path, const gh_lammps_data *d
   for (int i = 0; i < d->natoms; i++) {
     int k = order[i].k;
     if (i && order[i].id == order[i - 1].id)
-      return gh_fail(ctx, GH_INPUT, "%s:%d: id %d occurs twice (first on line %d)", path, d->line[k], d->id[k], d->line[order[i - 1].k]);
+      return gh_fail(ctx, GH_INPUT, "%s:%d: id %d occurs twice (first on line %d)", path, d->line[k],
+                     d->id[k], d->line[order[i - 1].k]);
     p->id[i] = d->id[k];
     p->type[i] = d->type[k];
     p->radius[i] = d->diameter[k] / 2;
@@ -86,7 +92,8 @@ gh_status gh_packing_read(gh_context *ctx, const char *path, gh_packing **packin
   gh_packing *p = NULL;
   entry *order = NULL;
   gh_status status;
-  if (data->natoms < 1) GH_TRY_OR(gh_fail(ctx, GH_INPUT, "%s: a packing needs at least one grain", path), done);
+  if (data->natoms < 1)
+    GH_TRY_OR(gh_fail(ctx, GH_INPUT, "%s: a packing needs at least one grain", path), done);
   GH_TRY_OR(gh_alloc(ctx, 1, sizeof *p, &p), done);
   GH_TRY_OR(allocate(ctx, data->natoms, p), done);
   GH_TRY_OR(gh_alloc(ctx, (size_t)data->natoms, sizeof *order, &order), done);
@@ -119,7 +126,8 @@ gh_status gh_packing_copy(gh_context *ctx, const gh_packing *from, gh_packing **
   return GH_OK;
 }
 
-/* LAMMPS wants an upper triangular cell with the tilt small: turns cell and positions by the rotation Q of cell = Q T. */
+/* LAMMPS wants an upper triangular cell with the tilt small: turns cell and positions by the rotation Q of
+ * cell = Q T. */
 static void upright(double cell[4], double turn[4]) {
   double a = hypot(cell[0], cell[2]), c = cell[0] / a, s = cell[2] / a;
   memcpy(turn, (double[4]){c, s, -s, c}, 4 * sizeof(double));
@@ -127,7 +135,8 @@ static void upright(double cell[4], double turn[4]) {
   cell[2] = 0;
 }
 
-gh_status gh_packing_write(gh_context *ctx, const gh_packing *p, const char *path, const double *x, const double *cell) {
+gh_status gh_packing_write(gh_context *ctx, const gh_packing *p, const char *path, const double *x,
+                           const double *cell) {
   size_t n = (size_t)p->n;
   gh_lammps_data d = {.natoms = p->n, .ntypes = 1, .id = p->id, .type = p->type};
   double T[4], turn[4], *memory;

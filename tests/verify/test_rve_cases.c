@@ -1,5 +1,5 @@
-/* The frictionless reference cases for one RVE, made by an independent program (tests/data/cases). SPDX-License-Identifier: GPL-2.0-or-later
- * GH_ENGINE=native|lammps restricts the run to one engine. */
+/* The frictionless reference cases for one RVE, made by an independent program (tests/data/cases).
+ * SPDX-License-Identifier: GPL-2.0-or-later GH_ENGINE=native|lammps restricts the run to one engine. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -84,7 +84,8 @@ static void case_is_met(void **state) {
   const rve_case *c = *state;
   const char *only = getenv("GH_ENGINE");
   if (only && strcmp(only, c->engine == GH_ENGINE_NATIVE ? "native" : "lammps")) skip();
-  static const char *const P_names[] = {"P11", "P12", "P21", "P22"}, *const s_names[] = {"s11", "s12", "s21", "s22"};
+  static const char *const P_names[] = {"P11", "P12", "P21", "P22"}, *const s_names[] = {"s11", "s12", "s21",
+                                                                                         "s22"};
   gh_context *ctx;
   gh_packing *packing;
   gh_rve *rve;
@@ -102,7 +103,8 @@ static void case_is_met(void **state) {
   for (int row = 0; row < out->nrows; row++)
     for (int k = 0; k < 4; k++) largest = fmax(largest, fabs(at(out, row, P_names[k])));
   for (int row = 0; row < in->nrows; row++) {
-    double F[4] = {at(in, row, "F11"), at(in, row, "F12"), at(in, row, "F21"), at(in, row, "F22")}, P[4], A[16];
+    double F[4] = {at(in, row, "F11"), at(in, row, "F12"), at(in, row, "F21"), at(in, row, "F22")}, P[4],
+           A[16];
     OK(gh_rve_evaluate(rve, F, GH_WANT_TANGENT, P, A));
     const gh_rve_measures *m = gh_rve_measure(rve);
     for (int k = 0; k < 4; k++) {
@@ -110,16 +112,19 @@ static void case_is_met(void **state) {
       if (d > worst) worst = d, worst_row = row;
     }
     if (getenv("GH_VERBOSE"))
-      print_message("  row %d: %.1e  residual %.1e steps %ld polished %d factorisations %d contacts %d rattlers %d\n", row, worst / largest,
-                    m->residual, m->steps, m->polished, m->factorisations, m->contacts, m->rattlers);
+      print_message(
+          "  row %d: %.1e  residual %.1e steps %ld polished %d factorisations %d contacts %d rattlers %d\n",
+          row, worst / largest, m->residual, m->steps, m->polished, m->factorisations, m->contacts,
+          m->rattlers);
     assert_true(fabs(m->energy - at(out, row, "energy_n")) <= 1e-6 * at(out, out->nrows - 1, "energy_n"));
     compare_tangent(c->name, row, A);
     OK(gh_rve_commit(rve));
   }
   gh_rve_cost cost;
   gh_rve_costs(rve, &cost);
-  print_message("  %s: %.1e of the largest stress (row %d); %.2f ms and %.0f relaxation steps an increment\n", c->name, worst / largest,
-                worst_row, 1e3 * cost.total / in->nrows, (double)cost.steps / in->nrows);
+  print_message("  %s: %.1e of the largest stress (row %d); %.2f ms and %.0f relaxation steps an increment\n",
+                c->name, worst / largest, worst_row, 1e3 * cost.total / in->nrows,
+                (double)cost.steps / in->nrows);
   assert_true(worst <= c->tolerance * largest);
   gh_rve_destroy(&rve);
   gh_packing_destroy(&packing);

@@ -30,7 +30,10 @@ static void bounding_box(int n, const double *x, grid *g) {
   for (int k = 0; k < 2; k++) g->cell[3 * k] = (high[k] - g->low[k]) * (1 + 1e-9);
 }
 
-static void make_grid(int n, const double *x, const double *cell, double reach, grid *g) {
+enum { MOST_IMAGES = 1000 }; /* that one grain may reach along a lattice vector */
+
+static gh_status make_grid(gh_context *ctx, int n, const double *x, const double *cell, double reach,
+                           grid *g) {
   *g = (grid){.periodic = cell != NULL};
   if (cell) memcpy(g->cell, cell, sizeof g->cell);
   else bounding_box(n, x, g);
@@ -42,8 +45,15 @@ static void make_grid(int n, const double *x, const double *cell, double reach, 
     /* the distance between the two sides of the cell that s_k runs between */
     double height = 1 / hypot(g->inverse[2 * k], g->inverse[2 * k + 1]), bins = floor(height / reach);
     g->nb[k] = bins < 1 ? 1 : bins > limit ? limit : (int)bins;
-    g->stencil[k] = (int)ceil(reach / (height / g->nb[k]));
+    double stencil = ceil(reach / (height / g->nb[k]));
+    if (!(stencil <= MOST_IMAGES))
+      return gh_fail(ctx, GH_INPUT,
+                     "the cell [%g %g; %g %g] is %g high, too thin for grains that reach %g: one would touch "
+                     "more than %d images of itself",
+                     g->cell[0], g->cell[1], g->cell[2], g->cell[3], height, reach, MOST_IMAGES);
+    g->stencil[k] = (int)stencil;
   }
+  return GH_OK;
 }
 
 static gh_status sort_into_bins(gh_context *ctx, gh_neighbours *nb, const grid *g, int n, const double *x) {
@@ -90,6 +100,9 @@ static gh_status consider(gh_context *ctx, gh_neighbours *nb, const grid *g, con
   double lx = x[2 * j] - x[2 * i] + p.shift[0], ly = x[2 * j + 1] - x[2 * i + 1] + p.shift[1],
          far = p.reach + skin;
   if (lx * lx + ly * ly >= far * far) return GH_OK;
+  if (lx == 0 && ly == 0) /* relaxation would turn this into NaN */
+    return gh_fail(ctx, GH_DIVERGED,
+                   "the centres of grains %d and %d coincide: their contact has no direction", i + 1, j + 1);
   if (i == j) {
     GH_TRY(gh_grow(ctx, nb->nown + 1, sizeof p, &nb->own_capacity, &nb->own));
     nb->own[nb->nown++] = p;
@@ -139,7 +152,7 @@ gh_status gh_neighbours_find(gh_context *ctx, gh_neighbours *nb, int n, const do
   double largest = 0;
   for (int i = 0; i < n; i++) largest = radius[i] > largest ? radius[i] : largest;
   grid g;
-  make_grid(n, x, cell, 2 * largest + skin, &g);
+  GH_TRY(make_grid(ctx, n, x, cell, 2 * largest + skin, &g));
   GH_TRY(sort_into_bins(ctx, nb, &g, n, x));
   nb->npairs = nb->nown = 0;
   for (int i = 0; i < n; i++) {

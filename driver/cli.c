@@ -1,0 +1,104 @@
+/* What the subcommands share: context with log and progress on standard error, MPI. SPDX-License-Identifier:
+ * GPL-2.0-or-later */
+#include "cli.h"
+
+#include <mpi.h>
+#include <stdarg.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+/* Standard error: whether the last thing on it is a progress line that the next one overwrites. There is one
+ * standard error per process. */
+static struct {
+  bool terminal, line;
+  double last; /* seconds of the last plain progress line */
+} screen;
+
+static void clear_line(void) {
+  if (screen.line) fprintf(stderr, "\r\033[K");
+  screen.line = false;
+}
+
+static void log_line(void *data, gh_level level, const char *line) {
+  (void)data;
+  if (level == GH_LEVEL_DEBUG) return;
+  clear_line();
+  fprintf(stderr, "%s%s\n", level == GH_LEVEL_WARNING ? "warning: " : "", line);
+}
+
+static void duration(double seconds, char text[32]) {
+  if (!isfinite(seconds)) snprintf(text, 32, "?");
+  else if (seconds < 100) snprintf(text, 32, "%.0f s", seconds);
+  else if (seconds < 6000) snprintf(text, 32, "%.0f min", seconds / 60);
+  else snprintf(text, 32, "%.1f h", seconds / 3600);
+}
+
+static void progress_line(void *data, const gh_progress *p) {
+  (void)data;
+  double now = gh_seconds();
+  if (!screen.terminal && !p->end && now - screen.last < 10) return;
+  screen.last = now;
+  char taken[32], left[32], rate[32] = "";
+  duration(p->seconds, taken);
+  duration(p->left, left);
+  if (isfinite(p->rate)) snprintf(rate, sizeof rate, ", %.3g/s", p->rate);
+  clear_line();
+  fprintf(stderr, "%s: %.0f of %.0f %s, %s%s", p->label, p->done, p->total, p->unit, taken, rate);
+  if (!p->end) fprintf(stderr, ", about %s left", left);
+  if (!screen.terminal || p->end) fprintf(stderr, "\n");
+  else screen.line = true;
+  fflush(stderr);
+}
+
+gh_context *cli_open(void) {
+  gh_context *ctx;
+  if (gh_context_create(&ctx) != GH_OK) {
+    fprintf(stderr, "granhom: out of memory\n");
+    return NULL;
+  }
+  screen.terminal = isatty(STDERR_FILENO) == 1;
+  screen.last = gh_seconds();
+  gh_set_log(ctx, log_line, NULL);
+  gh_set_progress(ctx, progress_line, NULL);
+  return ctx;
+}
+
+int cli_close(gh_context *ctx, gh_status s) {
+  clear_line();
+  if (s != GH_OK) {
+    const char *message = gh_message(ctx);
+    fprintf(stderr, "granhom: %s\n", *message ? message : gh_status_text(s));
+  }
+  gh_context_destroy(&ctx);
+  return gh_exit_status(s);
+}
+
+int cli_usage(const cli_command *command, const char *format, ...) {
+  va_list args;
+  va_start(args, format);
+  fprintf(stderr, "granhom %s: ", command->name);
+  vfprintf(stderr, format, args);
+  fprintf(stderr, "\nTry `granhom help %s`.\n", command->name);
+  va_end(args);
+  return 2;
+}
+
+static void finalize(void) {
+  int done = 0;
+  MPI_Finalized(&done);
+  if (!done) MPI_Finalize();
+}
+
+gh_status cli_mpi(gh_context *ctx, bool single) {
+  int begun = 0, ranks = 1;
+  MPI_Initialized(&begun);
+  if (!begun) {
+    if (MPI_Init(NULL, NULL) != MPI_SUCCESS) return gh_fail(ctx, GH_SYSTEM, "MPI cannot be started");
+    atexit(finalize);
+  }
+  MPI_Comm_size(MPI_COMM_WORLD, &ranks);
+  if (single && ranks > 1)
+    return gh_fail(ctx, GH_INPUT, "this command runs on one rank, and it was started on %d", ranks);
+  return GH_OK;
+}

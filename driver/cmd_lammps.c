@@ -1,0 +1,60 @@
+/* granhom lammps: runs a LAMMPS input script with granhom's styles. SPDX-License-Identifier: GPL-2.0-or-later
+ */
+#include "cli.h"
+
+#include "engine/lammps/guard.h"
+
+#include <mpi.h>
+#include <string.h>
+
+/* The file after -in; NULL when there is none: LAMMPS reads standard input. */
+static const char *script_of(int argc, char **argv) {
+  for (int k = 1; k + 1 < argc; k++)
+    if (!strcmp(argv[k], "-in") || !strcmp(argv[k], "-i")) return argv[k + 1];
+  return NULL;
+}
+
+static gh_status check_script(gh_context *ctx, const char *path) {
+  if (!path || !strcmp(path, "none")) return GH_OK;
+  FILE *file = fopen(path, "r");
+  if (!file) return gh_fail(ctx, GH_INPUT, "cannot open the input script %s", path);
+  fclose(file);
+  return GH_OK;
+}
+
+static int run(int argc, char **argv) {
+  gh_context *ctx = cli_open();
+  if (!ctx) return 1;
+  int exit_status = 0;
+  bool alone = false;
+  gh_status status = check_script(ctx, script_of(argc, argv));
+  if (status == GH_OK) status = cli_mpi(ctx, false);
+  if (status == GH_OK) status = gh_lmp_program(ctx, argc, argv, &exit_status, &alone);
+  int code = cli_close(ctx, status);
+  if (alone) MPI_Abort(MPI_COMM_WORLD, code);
+  return code ? code : exit_status;
+}
+
+const cli_command cli_lammps = {
+    .name = "lammps",
+    .summary = "run a LAMMPS input script with granhom's styles",
+    .help = "usage: granhom lammps -in FILE [options of lmp]\n"
+            "       mpirun -n N granhom lammps -in FILE [options of lmp]\n"
+            "\n"
+            "Runs the input script as LAMMPS's own program lmp does, log.lammps included, with three styles "
+            "more:\n"
+            "  pair_style granhom/normal           one-sided harmonic normal contact\n"
+            "  fix ID group granhom/relax          dynamic relaxation to a residual\n"
+            "  compute ID group granhom/contact/local   the contacts: branch vectors, forces, stiffness\n"
+            "They are there after `clear` too, and in included files, jumps and loops.\n"
+            "\n"
+            "  -in FILE            the input script; without it, standard input\n"
+            "  -var NAME VALUE...  sets an index variable\n"
+            "  -log FILE|none      log file (log.lammps)\n"
+            "  -screen FILE|none   screen output (standard output)\n"
+            "  -echo none|screen|log|both\n"
+            "and all others of lmp: `granhom lammps -help` lists them.\n"
+            "\n"
+            "Exit status: 0, or that of the script's `quit`; 1 an error of LAMMPS; 2 no such input script.\n"
+            "Example scripts: lammps-inputs/.\n",
+    .run = run};

@@ -1,0 +1,92 @@
+/* granhom plot: pictures of a folder of results. SPDX-License-Identifier: GPL-2.0-or-later */
+#include "cli.h"
+#include "granhom/scene.h"
+
+#include <signal.h>
+#include <stdlib.h>
+#include <string.h>
+
+typedef struct plot_arguments {
+  const char *results, *folder;
+  long point; /* -1: the most loaded */
+} plot_arguments;
+
+static int parse(int argc, char **argv, plot_arguments *a) {
+  for (int k = 1; k < argc; k++) {
+    const char *word = argv[k];
+    bool output = strcmp(word, "-o") == 0 || strcmp(word, "--output") == 0,
+         point = strcmp(word, "--point") == 0;
+    if ((output || point) && k + 1 >= argc) return cli_usage(&cli_plot, "%s needs a value", word);
+    if (output) a->folder = argv[++k];
+    else if (point) {
+      if (!gh_parse_integer(argv[++k], 0, 100000000, &a->point))
+        return cli_usage(&cli_plot, "--point '%s' is no number of an integration point", argv[k]);
+    } else if (word[0] == '-' && word[1]) return cli_usage(&cli_plot, "there is no option '%s'", word);
+    else if (a->results)
+      return cli_usage(&cli_plot, "one folder at a time, not '%s' and '%s'", a->results, word);
+    else a->results = word;
+  }
+  if (!a->results) return cli_usage(&cli_plot, "a folder of results is needed");
+  if (!a->folder) a->folder = a->results;
+  return 0;
+}
+
+static gh_status rve(gh_context *ctx, const plot_arguments *a, const char *png) {
+  return gh_picture_rve(ctx, a->results, (int)a->point, png);
+}
+static gh_status mesh(gh_context *ctx, const plot_arguments *a, const char *png) {
+  return gh_picture_mesh(ctx, a->results, png);
+}
+static gh_status curves(gh_context *ctx, const plot_arguments *a, const char *png) {
+  return gh_picture_curves(ctx, a->results, png);
+}
+static gh_status convergence(gh_context *ctx, const plot_arguments *a, const char *png) {
+  return gh_picture_convergence(ctx, a->results, png);
+}
+
+static gh_status work(gh_context *ctx, const plot_arguments *a) {
+  static const struct {
+    const char *name;
+    gh_status (*draw)(gh_context *ctx, const plot_arguments *a, const char *png);
+  } pictures[] = {
+      {"mesh.png", mesh}, {"rve.png", rve}, {"curves.png", curves}, {"convergence.png", convergence}};
+  GH_TRY(gh_folder_make(ctx, a->folder));
+  for (size_t k = 0; k < sizeof pictures / sizeof *pictures; k++) {
+    char *png = gh_path_join(a->folder, pictures[k].name);
+    if (!png) return gh_fail(ctx, GH_MEMORY, "no memory for a path");
+    gh_status status = pictures[k].draw(ctx, a, png);
+    if (status == GH_OK) printf("%s\n", png);
+    free(png);
+    if (status == GH_INPUT && pictures[k].draw == rve && a->point < 0) { /* a scene may record none */
+      fprintf(stderr, "granhom: no %s: %s\n", pictures[k].name, gh_message(ctx));
+      continue;
+    }
+    GH_TRY(status);
+  }
+  return GH_OK;
+}
+
+static int run(int argc, char **argv) {
+  plot_arguments a = {.point = -1};
+  int code = parse(argc, argv, &a);
+  if (code) return code;
+  gh_context *ctx = cli_open();
+  if (!ctx) return 1;
+  signal(SIGPIPE, SIG_IGN); /* gnuplot may end early: its status tells */
+  gh_status status = cli_mpi(ctx, true);
+  if (status == GH_OK) status = work(ctx, &a);
+  return cli_close(ctx, status);
+}
+
+const cli_command cli_plot = {
+    .name = "plot",
+    .summary = "draws the results of `granhom run`",
+    .help = "usage: granhom plot DIR [options]\n\n"
+            "  -o DIR2, --output DIR2    folder for the pictures; default: DIR\n"
+            "  --point N                 integration point for rve.png, counted from 0; default: the one "
+            "with the\n"
+            "                            largest von Mises stress among those that are recorded\n\n"
+            "Draws mesh.png (deformed mesh, von Mises stress), rve.png (grains and forces of one integration "
+            "point),\n"
+            "curves.png (force and dilatancy) and convergence.png (residuals). Curves need gnuplot.\n",
+    .run = run};

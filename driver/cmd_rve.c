@@ -1,0 +1,340 @@
+/* granhom rve: one material point along a path of F. SPDX-License-Identifier: GPL-2.0-or-later */
+#include "cli.h"
+
+#include "granhom/io.h"
+#include "granhom/micro.h"
+
+#include <getopt.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+static const char help[] =
+    "usage: granhom rve PACKING --path PATH.csv [options] [-o OUT.csv]\n"
+    "\n"
+    "Deforms one packing (a LAMMPS data file, atom_style sphere) along a path of deformation gradients and "
+    "writes\n"
+    "stress, energy and what else is known of each increment.\n"
+    "\n"
+    "  --path FILE            CSV with the columns F11 F12 F21 F22 (and step), a row per increment; - is "
+    "standard input\n"
+    "  -o, --output FILE      results (default: standard output)\n"
+    "  --boundary NAME        taylor: all grains of the cluster follow F; taylor-cell: the same in the "
+    "periodic cell;\n"
+    "                         restricted: grains at the boundary follow F, the others are in equilibrium;\n"
+    "                         periodic: all grains of the periodic cell are in equilibrium (default)\n"
+    "  --engine NAME          lammps (default) or native\n"
+    "  --normal-stiffness E   force per overlap, > 0 (default 1)\n"
+    "  --tolerance T          largest force on a grain over the mean contact force (default 1e-8)\n"
+    "  --max-steps N          relaxation steps after which an increment has failed (default 400000)\n"
+    "  --tangent FILE         tangent dP/dF of each increment: step,A1111,A1112,...,A2222\n"
+    "  --dump FILE            a LAMMPS dump of the grains, one frame per increment (OVITO reads it)\n"
+    "  --save-state FILE      converged state at the end of the path (HDF5)\n"
+    "  --load-state FILE      start from such a state instead of the packing as read\n"
+    "\n"
+    "Exit status: 0 done, 1 an increment did not converge (the rows before it are written), 2 wrong input.\n";
+
+static const double WRITE_EVERY = 2; /* seconds */
+
+typedef struct arguments {
+  const char *packing, *path, *output, *tangent, *dump, *save, *load;
+  gh_rve_options rve;
+} arguments;
+
+typedef struct job {
+  gh_context *ctx;
+  const arguments *args;
+  gh_packing *packing;
+  gh_csv *path;
+  gh_rve *rve;
+  gh_text *out, *tangent, *dump;
+  int columns[5]; /* step F11 F12 F21 F22 */
+  double written; /* when the files were last written */
+} job;
+
+/* ---- options ---- */
+
+static int positive(const char *option, const char *text, double *value) {
+  if (gh_parse_number(text, value) && *value > 0) return 0;
+  return cli_usage(&cli_rve, "%s must be a positive number, not \"%s\"", option, text);
+}
+
+static int parse_option(int c, arguments *a) {
+  long steps;
+  switch (c) {
+  case 'p':
+    a->path = optarg;
+    return 0;
+  case 'o':
+    a->output = optarg;
+    return 0;
+  case 't':
+    a->tangent = optarg;
+    return 0;
+  case 'd':
+    a->dump = optarg;
+    return 0;
+  case 's':
+    a->save = optarg;
+    return 0;
+  case 'l':
+    a->load = optarg;
+    return 0;
+  case 'E':
+    return positive("--normal-stiffness", optarg, &a->rve.law.normal_stiffness);
+  case 'T':
+    return positive("--tolerance", optarg, &a->rve.tolerance);
+  case 'b':
+    if (gh_boundary_from_name(optarg, &a->rve.boundary)) return 0;
+    return cli_usage(&cli_rve, "--boundary is taylor, taylor-cell, restricted or periodic, not \"%s\"",
+                     optarg);
+  case 'e':
+    if (!strcmp(optarg, "lammps")) return a->rve.engine = GH_ENGINE_LAMMPS, 0;
+    if (!strcmp(optarg, "native")) return a->rve.engine = GH_ENGINE_NATIVE, 0;
+    return cli_usage(&cli_rve, "--engine is lammps or native, not \"%s\"", optarg);
+  case 'n':
+    if (!gh_parse_integer(optarg, 1, 1000000000, &steps))
+      return cli_usage(&cli_rve, "--max-steps must be a positive integer, not \"%s\"", optarg);
+    a->rve.max_steps = steps;
+    return 0;
+  case ':':
+    return cli_usage(&cli_rve, "%s needs a value", "the last option");
+  default:
+    return cli_usage(&cli_rve, "unknown option");
+  }
+}
+
+static int parse(int argc, char **argv, arguments *a) {
+  static const struct option options[] = {
+      {"path", 1, 0, 'p'},       {"output", 1, 0, 'o'},     {"boundary", 1, 0, 'b'},
+      {"engine", 1, 0, 'e'},     {"tolerance", 1, 0, 'T'},  {"normal-stiffness", 1, 0, 'E'},
+      {"max-steps", 1, 0, 'n'},  {"tangent", 1, 0, 't'},    {"dump", 1, 0, 'd'},
+      {"save-state", 1, 0, 's'}, {"load-state", 1, 0, 'l'}, {0, 0, 0, 0}};
+  *a = (arguments){.rve = gh_rve_defaults()};
+  a->rve.law.normal_stiffness = 1;
+  opterr = 0;
+  optind = 1;
+  for (int c; (c = getopt_long(argc, argv, ":o:", options, NULL)) != -1;) {
+    if (c == '?') return cli_usage(&cli_rve, "unknown option %s", argv[optind - 1]);
+    if (c == ':') return cli_usage(&cli_rve, "%s needs a value", argv[optind - 1]);
+    int status = parse_option(c, a);
+    if (status) return status;
+  }
+  if (optind == argc) return cli_usage(&cli_rve, "which packing?");
+  a->packing = argv[optind++];
+  if (optind < argc) return cli_usage(&cli_rve, "one packing is enough: what is \"%s\"?", argv[optind]);
+  if (!a->path) return cli_usage(&cli_rve, "--path is missing");
+  if (!(a->rve.tolerance < 1))
+    return cli_usage(&cli_rve, "--tolerance must be below 1, not %g", a->rve.tolerance);
+  return 0;
+}
+
+/* ---- path and state ---- */
+
+static gh_status check_path(job *j) {
+  static const char *const names[] = {"step", "F11", "F12", "F21", "F22"};
+  const gh_csv *p = j->path;
+  const char *file = j->args->path;
+  for (int k = 0; k < 5; k++) {
+    j->columns[k] = gh_csv_find(p, names[k]);
+    if (j->columns[k] < 0 && k > 0)
+      return gh_fail(j->ctx, GH_INPUT, "%s:1: no column %s; a path has step,F11,F12,F21,F22", file, names[k]);
+  }
+  if (p->nrows < 1) return gh_fail(j->ctx, GH_INPUT, "%s: the path has no rows", file);
+  for (int row = 0; row < p->nrows; row++) {
+    double F[4];
+    for (int k = 0; k < 4; k++) F[k] = p->value[row * p->ncols + j->columns[k + 1]];
+    if (!(gh_det2(F) > 0))
+      return gh_fail(j->ctx, GH_INPUT,
+                     "%s:%d: F = [%g %g; %g %g] has the determinant %g; it must be positive", file,
+                     p->line[row], F[0], F[1], F[2], F[3], gh_det2(F));
+    double step = j->columns[0] >= 0 ? p->value[row * p->ncols + j->columns[0]] : row;
+    if (step != floor(step) || fabs(step) > 1e15)
+      return gh_fail(j->ctx, GH_INPUT, "%s:%d: step %g is not an integer", file, p->line[row], step);
+  }
+  return GH_OK;
+}
+
+static gh_status load_state(job *j) {
+  size_t n = gh_rve_state_size(j->rve), rows, cols;
+  gh_h5 *file;
+  double *state = NULL;
+  GH_TRY(gh_h5_read(j->ctx, j->args->load, &file));
+  gh_status status = gh_h5_size(file, "state", &rows, &cols);
+  if (status == GH_OK && rows * cols != n)
+    status = gh_fail(j->ctx, GH_INPUT,
+                     "%s: a state of %zu numbers, but this packing with these boundary conditions has %zu",
+                     j->args->load, rows * cols, n);
+  if (status == GH_OK) status = gh_alloc(j->ctx, n, sizeof(double), &state);
+  if (status == GH_OK) status = gh_h5_get_doubles(file, "state", n, 1, state);
+  if (status == GH_OK) status = gh_rve_load(j->rve, state);
+  free(state);
+  gh_h5_close(&file);
+  return status;
+}
+
+static gh_status save_state(job *j) {
+  size_t n = gh_rve_state_size(j->rve);
+  gh_h5 *file;
+  double *state;
+  GH_TRY(gh_alloc(j->ctx, n, sizeof(double), &state));
+  gh_rve_save(j->rve, state);
+  gh_status status = gh_h5_open(j->ctx, j->args->save, false, &file);
+  if (status == GH_OK) {
+    status = gh_h5_put_doubles(file, "state", n, 1, state);
+    if (status == GH_OK) status = gh_h5_put_text(file, "boundary", gh_boundary_name(j->args->rve.boundary));
+    if (status == GH_OK) status = gh_h5_commit(&file);
+    else gh_h5_close(&file);
+  }
+  free(state);
+  return status;
+}
+
+/* ---- results ---- */
+
+static void write_headers(job *j) {
+  gh_text_print(
+      j->out,
+      "step,F11,F12,F21,F22,P11,P12,P21,P22,s11,s12,s21,s22,energy,contacts,rattlers,residual,seconds\n");
+  if (!j->tangent) return;
+  gh_text_print(j->tangent, "step");
+  for (int n = 0; n < 16; n++)
+    gh_text_print(j->tangent, ",A%d%d%d%d", (n >> 3) + 1, (n >> 2 & 1) + 1, (n >> 1 & 1) + 1, (n & 1) + 1);
+  gh_text_print(j->tangent, "\n");
+}
+
+/* Grains where they are in space. A LAMMPS box has its first lattice vector along x; a cell that is turned
+ * otherwise cannot be told, and the frame then has a bounding box instead. */
+static gh_status write_frame(job *j, long step) {
+  gh_rve_view v;
+  GH_TRY(gh_rve_look(j->rve, &v));
+  double low[2] = {INFINITY, INFINITY}, high[2] = {-INFINITY, -INFINITY};
+  for (int i = 0; i < v.n; i++)
+    for (int k = 0; k < 2; k++) {
+      low[k] = fmin(low[k], v.x[2 * i + k] - v.radius[i]);
+      high[k] = fmax(high[k], v.x[2 * i + k] + v.radius[i]);
+    }
+  bool upright = v.periodic && v.cell[2] == 0; /* OVITO can then draw the periodic cell itself */
+  gh_text_print(j->dump, "ITEM: TIMESTEP\n%ld\nITEM: NUMBER OF ATOMS\n%d\n", step, v.n);
+  if (upright) {
+    double tilt = v.cell[1];
+    gh_text_print(
+        j->dump, "ITEM: BOX BOUNDS xy xz yz pp pp pp\n%.17g %.17g %.17g\n%.17g %.17g 0\n-0.5 0.5 0\n",
+        v.low[0] + fmin(tilt, 0), v.low[0] + v.cell[0] + fmax(tilt, 0), tilt, v.low[1], v.low[1] + v.cell[3]);
+  } else {
+    gh_text_print(j->dump, "ITEM: BOX BOUNDS ff ff pp\n%.17g %.17g\n%.17g %.17g\n-0.5 0.5\n", low[0], high[0],
+                  low[1], high[1]);
+  }
+  gh_text_print(j->dump, "ITEM: ATOMS id type x y z radius grain rattler held replica\n");
+  for (int i = 0; i < v.n; i++)
+    gh_text_print(j->dump, "%d %d %.17g %.17g 0 %.17g %d %d %d %d\n", i + 1, v.type[i], v.x[2 * i],
+                  v.x[2 * i + 1], v.radius[i], v.id[i], v.flags[i] & 1, v.flags[i] >> 1 & 1,
+                  v.flags[i] >> 2 & 1);
+  return GH_OK;
+}
+
+static gh_status write_row(job *j, long step, const double A[16]) {
+  const gh_rve_measures *m = gh_rve_measure(j->rve);
+  const double *const blocks[] = {m->F, m->P, m->cauchy};
+  gh_text_print(j->out, "%ld", step);
+  for (int b = 0; b < 3; b++)
+    for (int k = 0; k < 4; k++) gh_text_print(j->out, ",%.17g", blocks[b][k]);
+  gh_text_print(j->out, ",%.17g,%d,%d,%.17g,%.6g\n", m->energy, m->contacts, m->rattlers, m->residual,
+                m->seconds);
+  if (j->tangent) {
+    gh_text_print(j->tangent, "%ld", step);
+    for (int n = 0; n < 16; n++) gh_text_print(j->tangent, ",%.17g", A[n]);
+    gh_text_print(j->tangent, "\n");
+  }
+  if (m->unjammed)
+    gh_log(j->ctx, GH_LEVEL_INFO, "step %ld: unjammed, no contact carries a force: P = 0", step);
+  if (m->regularised)
+    gh_log(j->ctx, GH_LEVEL_WARNING, "step %ld: a mode without stiffness: the tangent is regularised", step);
+  return j->dump ? write_frame(j, step) : GH_OK;
+}
+
+static gh_status write_text(gh_context *ctx, gh_text *text, const char *path, bool last) {
+  if (!text) return GH_OK;
+  if (path && strcmp(path, "-")) return gh_text_commit(text, path);
+  size_t length;
+  const char *bytes = gh_text_get(text, &length);
+  if (last && (fwrite(bytes, 1, length, stdout) != length || fflush(stdout)))
+    return gh_fail(ctx, GH_SYSTEM, "standard output: cannot write");
+  return GH_OK;
+}
+
+/* Files appear whole, the first time before the first increment: what cannot be written is known early, and a
+ * killed run leaves what it had. */
+static gh_status write_files(job *j, bool last) {
+  GH_TRY(write_text(j->ctx, j->out, j->args->output, last));
+  GH_TRY(write_text(j->ctx, j->tangent, j->args->tangent, last));
+  GH_TRY(write_text(j->ctx, j->dump, j->args->dump, last));
+  j->written = gh_seconds();
+  return GH_OK;
+}
+
+static gh_status walk(job *j) {
+  gh_work work;
+  gh_status status = GH_OK;
+  gh_work_begin(j->ctx, &work, "rve", "increments", j->path->nrows);
+  int row = 0;
+  for (; row < j->path->nrows && status == GH_OK; row++) {
+    const double *value = j->path->value + row * j->path->ncols;
+    double F[4], P[4], A[16];
+    for (int k = 0; k < 4; k++) F[k] = value[j->columns[k + 1]];
+    long step = j->columns[0] >= 0 ? (long)value[j->columns[0]] : row;
+    status = gh_rve_evaluate(j->rve, F, j->tangent ? GH_WANT_TANGENT : 0, P, A);
+    if (status == GH_OK) status = write_row(j, step, A);
+    if (status == GH_OK) status = gh_rve_commit(j->rve);
+    if (status != GH_OK) gh_prefix(j->ctx, status, "step %ld: ", step);
+    gh_work_advance(j->ctx, &work, row + 1);
+    if (status == GH_OK && gh_seconds() - j->written > WRITE_EVERY) status = write_files(j, false);
+  }
+  gh_work_end(j->ctx, &work, row);
+  return status;
+}
+
+/* What was computed is written also when an increment failed; the failure's message stays the one that is
+ * told. */
+static gh_status finish(job *j, gh_status status) {
+  char *message = status == GH_OK ? NULL : strdup(gh_message(j->ctx));
+  gh_status s = write_files(j, true);
+  if (s == GH_OK && status == GH_OK && j->args->save) s = save_state(j);
+  if (message) gh_fail(j->ctx, status, "%s", message);
+  free(message);
+  return status == GH_OK ? s : status;
+}
+
+static gh_status rve(job *j) {
+  const arguments *a = j->args;
+  GH_TRY(gh_packing_read(j->ctx, a->packing, &j->packing));
+  GH_TRY(gh_csv_read(j->ctx, a->path, &j->path));
+  GH_TRY(check_path(j));
+  GH_TRY(cli_mpi(j->ctx, true));
+  GH_TRY(gh_rve_create(j->ctx, j->packing, &a->rve, &j->rve));
+  if (a->load) GH_TRY(load_state(j));
+  GH_TRY(gh_text_create(j->ctx, &j->out));
+  if (a->tangent) GH_TRY(gh_text_create(j->ctx, &j->tangent));
+  if (a->dump) GH_TRY(gh_text_create(j->ctx, &j->dump));
+  write_headers(j);
+  GH_TRY(write_files(j, false));
+  return finish(j, walk(j));
+}
+
+static int run(int argc, char **argv) {
+  arguments args;
+  int usage = parse(argc, argv, &args);
+  if (usage) return usage;
+  job j = {.ctx = cli_open(), .args = &args};
+  if (!j.ctx) return 1;
+  gh_status status = rve(&j);
+  gh_rve_destroy(&j.rve);
+  gh_text_destroy(&j.out);
+  gh_text_destroy(&j.tangent);
+  gh_text_destroy(&j.dump);
+  gh_csv_destroy(&j.path);
+  gh_packing_destroy(&j.packing);
+  return cli_close(j.ctx, status);
+}
+
+const cli_command cli_rve = {"rve", "one material point along a path of deformation gradients", help, run};

@@ -1,0 +1,456 @@
+/* The LAMMPS engine: one quiet LAMMPS instance per packing. SPDX-License-Identifier: GPL-2.0-or-later
+ *
+ * LAMMPS cells are upper triangular. The cell H is split into Q T (Q a rotation), a multiple of the first
+ * lattice vector taken off the second until the tilt is at most half, the grains are turned by Q^T and
+ * wrapped. Vectors that come out are turned back by Q. A cluster keeps its frame and has no images.
+ * gh_engine_set writes into LAMMPS's arrays and forces a new neighbour list: what follows depends on nothing
+ * that came before. */
+#include "engine/lammps/guard.h"
+#include "engine/ops.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#define FIX "relax"
+#define COMPUTE "contacts"
+/* Skin over the mean radius: see docs/performance.md for the measurement. */
+#define SKIN 0.2
+/* Columns of compute granhom/contact/local. */
+enum { TAG1, TAG2, LX, LY, LZ, FX, FY, FZ, OVERLAP, ENERGY, HXX, HXY, HXZ, HYY, HYZ, HZZ };
+enum { NO_IMAGE = (512 << 20) | (512 << 10) | 512 };
+enum { MOST_TYPES = 1000 };
+
+typedef struct bridge {
+  gh_context *ctx;
+  void *lmp;
+  int n;
+  bool periodic;
+  bool started; /* LAMMPS is set up: the next run may go without */
+  bool valid;   /* LAMMPS's state belongs to `given` and what relaxation made of it */
+  bool relaxed; /* the free grains have moved from `given` */
+  double cell[4], q[4], t[4];
+  int lattice_shift; /* multiples of the first lattice vector taken off the second */
+  unsigned char *held;
+  double *given;      /* n x 2: positions as set or moved */
+  double *x;          /* n x 2: positions now */
+  double *force;      /* n x 2 */
+  double *radius;     /* n */
+  int *type;          /* n */
+  double *wrap;       /* n x 2: lattice vectors of t taken off before LAMMPS saw the grain */
+  int *order, *first; /* scratch: rows by grain */
+  double *shift;
+  gh_contact *contacts;
+  size_t order_capacity, shift_capacity, contact_capacity;
+  gh_engine_cost cost;
+} bridge;
+
+/* ---- frames ---- */
+
+static void transpose_apply(const double q[4], const double x[2], double y[2]) {
+  double y0 = q[0] * x[0] + q[2] * x[1], y1 = q[1] * x[0] + q[3] * x[1];
+  y[0] = y0;
+  y[1] = y1;
+}
+
+/* cell = Q T before the reduction of the tilt. */
+static void split_cell(bridge *e) {
+  const double *h = e->cell;
+  double length = hypot(h[0], h[2]), c = h[0] / length, s = h[2] / length;
+  double tilt = c * h[1] + s * h[3];
+  e->lattice_shift = (int)nearbyint(tilt / length);
+  memcpy(e->q, (double[4]){c, -s, s, c}, sizeof e->q);
+  memcpy(e->t, (double[4]){length, tilt - e->lattice_shift * length, 0, gh_det2(h) / length}, sizeof e->t);
+}
+
+/* Lattice coordinates of y in t. */
+static void lattice_coordinates(const double t[4], const double y[2], double s[2]) {
+  s[1] = y[1] / t[3];
+  s[0] = (y[0] - t[1] * s[1]) / t[0];
+}
+
+/* ---- LAMMPS's arrays ---- */
+
+typedef struct atoms {
+  double **x, **f;
+  int *tag, *image;
+} atoms;
+
+static gh_status look(bridge *e, atoms *a) {
+  int nlocal;
+  GH_TRY(gh_lmp_setting(e->ctx, e->lmp, "nlocal", &nlocal));
+  if (nlocal != e->n)
+    return gh_fail(e->ctx, GH_ENGINE, "LAMMPS has lost grains: %d of %d are left", nlocal, e->n);
+  GH_TRY(gh_lmp_atom(e->ctx, e->lmp, "x", &a->x));
+  GH_TRY(gh_lmp_atom(e->ctx, e->lmp, "f", &a->f));
+  GH_TRY(gh_lmp_atom(e->ctx, e->lmp, "id", &a->tag));
+  return gh_lmp_atom(e->ctx, e->lmp, "image", &a->image);
+}
+
+/* Image flags of an atom in x and y. */
+static void decode(int image, double k[2]) {
+  k[0] = (image & 1023) - 512;
+  k[1] = ((image >> 10) & 1023) - 512;
+}
+
+/* Writes the given positions, wrapped anew from them alone. */
+static gh_status write_set(bridge *e) {
+  atoms a;
+  GH_TRY(look(e, &a));
+  if (e->periodic) GH_TRY(gh_lmp_set_cell(e->ctx, e->lmp, FIX, e->t));
+  else GH_TRY(gh_lmp_rebuild(e->ctx, e->lmp, FIX));
+  for (int k = 0; k < e->n; k++) {
+    int i = a.tag[k] - 1;
+    double y[2], s[2], *w = &e->wrap[2 * i];
+    transpose_apply(e->q, &e->given[2 * i], y);
+    w[0] = w[1] = 0;
+    if (e->periodic) {
+      lattice_coordinates(e->t, y, s);
+      w[0] = floor(s[0]);
+      w[1] = floor(s[1]);
+    }
+    a.x[k][0] = y[0] - e->t[0] * w[0] - e->t[1] * w[1];
+    a.x[k][1] = y[1] - e->t[3] * w[1];
+    a.x[k][2] = 0;
+    a.image[k] = NO_IMAGE;
+  }
+  return GH_OK;
+}
+
+/* Writes the given positions in the images that the grains are in, so that the neighbour list may hold. */
+static gh_status write_move(bridge *e) {
+  atoms a;
+  GH_TRY(look(e, &a));
+  for (int k = 0; k < e->n; k++) {
+    int i = a.tag[k] - 1;
+    double y[2], w[2];
+    transpose_apply(e->q, &e->given[2 * i], y);
+    decode(a.image[k], w);
+    w[0] += e->wrap[2 * i];
+    w[1] += e->wrap[2 * i + 1];
+    a.x[k][0] = y[0] - e->t[0] * w[0] - e->t[1] * w[1];
+    a.x[k][1] = y[1] - e->t[3] * w[1];
+  }
+  return GH_OK;
+}
+
+/* LAMMPS evaluates the forces at the given positions; write puts them into its arrays. The first run, and the
+ * first after a failure, sets LAMMPS up, and what it computes is dropped. */
+static gh_status evaluate(bridge *e, gh_status (*write)(bridge *)) {
+  bool started = e->started;
+  e->valid = e->started = e->relaxed = false;
+  if (!started) {
+    GH_TRY(write_set(e));
+    GH_TRY(gh_lmp_command(e->ctx, e->lmp, "run 0 post no"));
+  }
+  GH_TRY(write(e));
+  GH_TRY(gh_lmp_command(e->ctx, e->lmp, "run 1 pre no post no"));
+  e->valid = e->started = true;
+  return GH_OK;
+}
+
+static gh_status check_valid(const bridge *e) {
+  if (e->valid) return GH_OK;
+  return gh_fail(e->ctx, GH_ENGINE,
+                 "the LAMMPS engine has no positions: gh_engine_set was not called or failed");
+}
+
+/* Positions now, unwrapped, in the frame of space. Held grains are where they were put, to the last bit. */
+static gh_status read_positions(bridge *e) {
+  memcpy(e->x, e->given, 2 * (size_t)e->n * sizeof(double));
+  if (!e->relaxed) return GH_OK;
+  atoms a;
+  GH_TRY(look(e, &a));
+  for (int k = 0; k < e->n; k++) {
+    int i = a.tag[k] - 1;
+    if (e->held[i]) continue;
+    double w[2];
+    decode(a.image[k], w);
+    w[0] += e->wrap[2 * i];
+    w[1] += e->wrap[2 * i + 1];
+    double y[2] = {a.x[k][0] + e->t[0] * w[0] + e->t[1] * w[1], a.x[k][1] + e->t[3] * w[1]};
+    gh_apply2(e->q, y, &e->x[2 * i]);
+  }
+  return GH_OK;
+}
+
+/* ---- making and closing ---- */
+
+static void bridge_destroy(void *self) {
+  bridge *e = self;
+  if (!e) return;
+  gh_lmp_close(&e->lmp);
+  void *const arrays[] = {e->held, e->given, e->x,     e->force, e->radius,  e->type,
+                          e->wrap, e->order, e->first, e->shift, e->contacts};
+  for (size_t k = 0; k < sizeof arrays / sizeof *arrays; k++) free(arrays[k]);
+  free(e);
+}
+
+static gh_status allocate(gh_context *ctx, bridge *e) {
+  size_t n = (size_t)e->n, d = sizeof(double);
+  GH_TRY(gh_alloc(ctx, n, 1, &e->held));
+  GH_TRY(gh_alloc(ctx, 2 * n, d, &e->given));
+  GH_TRY(gh_alloc(ctx, 2 * n, d, &e->x));
+  GH_TRY(gh_alloc(ctx, 2 * n, d, &e->force));
+  GH_TRY(gh_alloc(ctx, 2 * n, d, &e->wrap));
+  GH_TRY(gh_alloc(ctx, n, d, &e->radius));
+  GH_TRY(gh_alloc(ctx, n, sizeof(int), &e->type));
+  return gh_alloc(ctx, n + 1, sizeof(int), &e->first);
+}
+
+/* Box of one by one, to be changed by the first set; the settings come before it. */
+static gh_status make_box(bridge *e, int types) {
+  gh_context *ctx = e->ctx;
+  void *lmp = e->lmp;
+  GH_TRY(gh_lmp_command(ctx, lmp, "units lj"));
+  GH_TRY(gh_lmp_command(ctx, lmp, "dimension 2"));
+  GH_TRY(gh_lmp_command(ctx, lmp, "atom_style sphere"));
+  GH_TRY(gh_lmp_command(ctx, lmp, "atom_modify map array sort 0 0"));
+  GH_TRY(gh_lmp_command(ctx, lmp, "newton off"));
+  GH_TRY(gh_lmp_command(ctx, lmp, "box tilt large"));
+  GH_TRY(gh_lmp_command(ctx, lmp, "boundary %s", e->periodic ? "p p p" : "f f p"));
+  GH_TRY(gh_lmp_command(ctx, lmp, "region cell %s",
+                        e->periodic ? "prism 0 1 0 1 -0.5 0.5 0 0 0" : "block 0 1 0 1 -0.5 0.5"));
+  return gh_lmp_command(ctx, lmp, "create_box %d cell", types);
+}
+
+static gh_status make_atoms(bridge *e) {
+  int *id = NULL;
+  double *x = NULL;
+  gh_status status;
+  GH_TRY_OR(gh_alloc(e->ctx, (size_t)e->n, sizeof *id, &id), done);
+  GH_TRY_OR(gh_alloc(e->ctx, 3 * (size_t)e->n, sizeof *x, &x), done);
+  for (int i = 0; i < e->n; i++) {
+    id[i] = i + 1;
+    x[3 * i] = x[3 * i + 1] = 0.5;
+  }
+  status = gh_lmp_create_atoms(e->ctx, e->lmp, e->n, id, e->type, x);
+done:
+  free(id);
+  free(x);
+  return status;
+}
+
+/* Radii, and the group "free" of the grains that relaxation may move. */
+static gh_status set_grains(bridge *e, int free_bit) {
+  double *radius;
+  int *tag, *mask;
+  GH_TRY(gh_lmp_atom(e->ctx, e->lmp, "radius", &radius));
+  GH_TRY(gh_lmp_atom(e->ctx, e->lmp, "id", &tag));
+  GH_TRY(gh_lmp_atom(e->ctx, e->lmp, "mask", &mask));
+  for (int k = 0; k < e->n; k++) {
+    int i = tag[k] - 1;
+    radius[k] = e->radius[i];
+    if (!e->held[i]) mask[k] |= free_bit;
+  }
+  return GH_OK;
+}
+
+static gh_status set_styles(bridge *e, double stiffness) {
+  gh_context *ctx = e->ctx;
+  void *lmp = e->lmp;
+  double mean = 0;
+  for (int i = 0; i < e->n; i++) mean += e->radius[i] / e->n;
+  int free_bit;
+  GH_TRY(gh_lmp_command(ctx, lmp, "neighbor %.17g bin", SKIN * mean));
+  GH_TRY(gh_lmp_command(ctx, lmp, "neigh_modify every 1 delay 0 check yes"));
+  GH_TRY(gh_lmp_command(ctx, lmp, "pair_style granhom/normal"));
+  GH_TRY(gh_lmp_command(ctx, lmp, "pair_coeff * * %.17g", stiffness));
+  GH_TRY(gh_lmp_command(ctx, lmp, "group free empty"));
+  GH_TRY(gh_lmp_command(ctx, lmp, "fix " FIX " free granhom/relax inner yes"));
+  GH_TRY(gh_lmp_command(ctx, lmp, "compute " COMPUTE " all granhom/contact/local"));
+  /* Thermo output that needs no energy: LAMMPS would ask for it at steps that were not tallied. */
+  GH_TRY(gh_lmp_command(ctx, lmp, "thermo_style custom step"));
+  GH_TRY(gh_lmp_command(ctx, lmp, "thermo 0"));
+  GH_TRY(gh_lmp_drive(ctx, lmp, FIX, e->periodic, &free_bit));
+  return set_grains(e, free_bit);
+}
+
+static gh_status take_setup(bridge *e, const gh_engine_setup *s, int *types) {
+  *types = 1;
+  memcpy(e->radius, s->radius, (size_t)e->n * sizeof(double));
+  if (s->held) memcpy(e->held, s->held, (size_t)e->n);
+  for (int i = 0; i < e->n; i++) {
+    e->type[i] = s->type ? s->type[i] : 1;
+    if (e->type[i] > *types) *types = e->type[i];
+  }
+  if (*types > MOST_TYPES)
+    return gh_fail(e->ctx, GH_INPUT, "the LAMMPS engine takes at most %d types of grains, not %d", MOST_TYPES,
+                   *types);
+  return GH_OK;
+}
+
+static gh_status bridge_create(gh_context *ctx, const gh_engine_setup *setup, void **self) {
+  bridge *e;
+  int types;
+  gh_status status;
+  GH_TRY(gh_alloc(ctx, 1, sizeof *e, &e));
+  *e = (bridge){.ctx = ctx, .n = setup->n, .periodic = setup->periodic, .q = {1, 0, 0, 1}};
+  GH_TRY_OR(allocate(ctx, e), failed);
+  GH_TRY_OR(take_setup(e, setup, &types), failed);
+  GH_TRY_OR(gh_lmp_open(ctx, &e->lmp), failed);
+  GH_TRY_OR(make_box(e, types), failed);
+  GH_TRY_OR(make_atoms(e), failed);
+  GH_TRY_OR(set_styles(e, setup->law.normal_stiffness), failed);
+  *self = e;
+  return GH_OK;
+failed:
+  bridge_destroy(e);
+  return status;
+}
+
+/* ---- the engine's calls ---- */
+
+static gh_status bridge_set(void *self, const double cell[4], const double *x) {
+  bridge *e = self;
+  double start = gh_seconds();
+  if (e->periodic) {
+    memcpy(e->cell, cell, sizeof e->cell);
+    split_cell(e);
+  }
+  memcpy(e->given, x, 2 * (size_t)e->n * sizeof(double));
+  gh_status status = evaluate(e, write_set);
+  e->cost.set_seconds += gh_seconds() - start;
+  return status;
+}
+
+static gh_status bridge_move(void *self, const double *x) {
+  bridge *e = self;
+  double start = gh_seconds();
+  GH_TRY(check_valid(e));
+  memcpy(e->given, x, 2 * (size_t)e->n * sizeof(double));
+  gh_status status = evaluate(e, write_move);
+  e->cost.set_seconds += gh_seconds() - start;
+  return status;
+}
+
+static gh_status relax(bridge *e, const gh_relax_options *o, gh_relax_result *r) {
+  double steps, ended;
+  GH_TRY(check_valid(e));
+  e->valid = e->started = false;
+  GH_TRY(gh_lmp_relax(e->ctx, e->lmp, FIX, o->tolerance, o->floor, o->max_steps));
+  e->valid = e->started = e->relaxed = true;
+  GH_TRY(gh_lmp_fix_vector(e->ctx, e->lmp, FIX, 0, &r->residual));
+  GH_TRY(gh_lmp_fix_vector(e->ctx, e->lmp, FIX, 1, &r->mean_force));
+  GH_TRY(gh_lmp_fix_vector(e->ctx, e->lmp, FIX, 2, &steps));
+  GH_TRY(gh_lmp_fix_vector(e->ctx, e->lmp, FIX, 4, &ended));
+  r->steps = (long)steps;
+  r->converged = ended != 0;
+  e->cost.steps += r->steps;
+  return GH_OK;
+}
+
+static gh_status bridge_relax(void *self, const gh_relax_options *options, gh_relax_result *result) {
+  bridge *e = self;
+  double start = gh_seconds();
+  *result = (gh_relax_result){0};
+  gh_status status = options->max_steps < 1 ? GH_OK : relax(e, options, result);
+  e->cost.relax_seconds += gh_seconds() - start;
+  return status;
+}
+
+/* A row of the compute as a contact in the frame of space. */
+static void turn_contact(const bridge *e, const double *row, gh_contact *c) {
+  const double h[4] = {row[HXX], row[HXY], row[HXY], row[HYY]}, qt[4] = {e->q[0], e->q[2], e->q[1], e->q[3]};
+  double r[4];
+  *c = (gh_contact){
+      .i = (int)row[TAG1] - 1, .j = (int)row[TAG2] - 1, .overlap = row[OVERLAP], .energy = row[ENERGY]};
+  gh_apply2(e->q, row + LX, c->l);
+  gh_apply2(e->q, row + FX, c->f);
+  gh_mul2(e->q, h, r);
+  gh_mul2(r, qt, r);
+  c->h[0] = r[0];
+  c->h[1] = r[1];
+  c->h[2] = r[3];
+}
+
+/* The sum of lattice vectors between the branch vector and the grains' positions, free of round-off. */
+static void image_shift(const bridge *e, const double *row, double shift[2]) {
+  int i = (int)row[TAG1] - 1, j = (int)row[TAG2] - 1;
+  double d[2] = {e->x[2 * j] - e->x[2 * i], e->x[2 * j + 1] - e->x[2 * i + 1]}, s[2];
+  shift[0] = shift[1] = 0;
+  if (!e->periodic) return;
+  transpose_apply(e->q, d, d);
+  d[0] = row[LX] - d[0];
+  d[1] = row[LY] - d[1];
+  lattice_coordinates(e->t, d, s);
+  double ky = nearbyint(s[1]), kx = nearbyint(s[0]) - e->lattice_shift * ky;
+  shift[0] = e->cell[0] * kx + e->cell[1] * ky;
+  shift[1] = e->cell[2] * kx + e->cell[3] * ky;
+}
+
+static bool before(const bridge *e, double **rows, int a, int b) {
+  if (rows[a][TAG2] != rows[b][TAG2]) return rows[a][TAG2] < rows[b][TAG2];
+  if (e->shift[2 * a + 1] != e->shift[2 * b + 1]) return e->shift[2 * a + 1] < e->shift[2 * b + 1];
+  return e->shift[2 * a] < e->shift[2 * b];
+}
+
+/* e->order: the rows by (i, j, image), the order of the native engine. */
+static void sort_rows(bridge *e, double **rows, int count) {
+  memset(e->first, 0, ((size_t)e->n + 1) * sizeof(int));
+  for (int a = 0; a < count; a++) e->first[(int)rows[a][TAG1]]++;
+  for (int i = 0; i < e->n; i++) e->first[i + 1] += e->first[i];
+  for (int a = count - 1; a >= 0;
+       a--) { /* first[i+1] is the end of grain i's rows and moves to their begin */
+    int p = --e->first[(int)rows[a][TAG1]];
+    e->order[p] = a;
+  }
+  for (int p = 1; p < count; p++) {
+    int a = e->order[p], b = p;
+    for (; b > 0 && rows[e->order[b - 1]][TAG1] == rows[a][TAG1] && before(e, rows, a, e->order[b - 1]); b--)
+      e->order[b] = e->order[b - 1];
+    e->order[b] = a;
+  }
+}
+
+static gh_status collect(bridge *e, int *count) {
+  double **rows;
+  GH_TRY(gh_lmp_local(e->ctx, e->lmp, COMPUTE, count, &rows));
+  size_t m = (size_t)*count;
+  GH_TRY(gh_grow(e->ctx, m, sizeof *e->order, &e->order_capacity, &e->order));
+  GH_TRY(gh_grow(e->ctx, 2 * m, sizeof *e->shift, &e->shift_capacity, &e->shift));
+  GH_TRY(gh_grow(e->ctx, m, sizeof *e->contacts, &e->contact_capacity, &e->contacts));
+  GH_TRY(read_positions(e));
+  for (int a = 0; a < *count; a++) image_shift(e, rows[a], &e->shift[2 * a]);
+  sort_rows(e, rows, *count);
+  for (int p = 0; p < *count; p++) turn_contact(e, rows[e->order[p]], &e->contacts[p]);
+  atoms a;
+  GH_TRY(look(e, &a));
+  for (int k = 0; k < e->n; k++) gh_apply2(e->q, a.f[k], &e->force[2 * (a.tag[k] - 1)]);
+  return GH_OK;
+}
+
+static gh_status bridge_contacts(void *self, const gh_contact **contacts, int *count, const double **force) {
+  bridge *e = self;
+  double start = gh_seconds();
+  GH_TRY(check_valid(e));
+  GH_TRY(collect(e, count));
+  *contacts = e->contacts;
+  *force = e->force;
+  e->cost.evaluations++;
+  e->cost.contact_seconds += gh_seconds() - start;
+  return GH_OK;
+}
+
+static gh_status bridge_get(void *self, double *x) {
+  bridge *e = self;
+  GH_TRY(check_valid(e));
+  GH_TRY(read_positions(e));
+  memcpy(x, e->x, 2 * (size_t)e->n * sizeof(double));
+  return GH_OK;
+}
+
+static void bridge_costs(const void *self, gh_engine_cost *cost) {
+  const bridge *e = self;
+  *cost = e->cost;
+  gh_lmp_builds(e->ctx, e->lmp, FIX, &cost->rebuilds);
+}
+
+const gh_engine_ops gh_lammps_ops = {.name = "lammps",
+                                     .create = bridge_create,
+                                     .destroy = bridge_destroy,
+                                     .set = bridge_set,
+                                     .move = bridge_move,
+                                     .relax = bridge_relax,
+                                     .contacts = bridge_contacts,
+                                     .get = bridge_get,
+                                     .costs = bridge_costs};

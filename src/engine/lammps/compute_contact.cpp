@@ -1,0 +1,148 @@
+/* LAMMPS compute granhom/contact/local: the contacts of pair style granhom/normal as a local array.
+ * SPDX-License-Identifier: GPL-2.0-or-later
+ *
+ * It reads the list that the pair style itself computed its forces with, not an occasional list of its own:
+ * LAMMPS bins such lists with the bins of the last rebuild, and loses contacts after the box has changed. */
+#include "engine/lammps/compute_contact.h"
+
+#include "contact/normal.h"
+#include "engine/lammps/pair_normal.h"
+
+#include "atom.h"
+#include "comm.h"
+#include "domain.h"
+#include "error.h"
+#include "force.h"
+#include "memory.h"
+#include "neigh_list.h"
+#include "neighbor.h"
+#include "update.h"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+using namespace LAMMPS_NS;
+using granhom::ComputeContact;
+using granhom::PairNormal;
+
+ComputeContact::ComputeContact(LAMMPS *l, int narg, char **arg) : Compute(l, narg, arg) {
+  if (narg != 3)
+    error->all(FLERR, std::string("Illegal compute granhom/contact/local command: it takes no arguments"));
+  local_flag = 1;
+  size_local_cols = COLUMNS;
+  size_local_rows = 0;
+}
+
+ComputeContact::~ComputeContact() {
+  memory->destroy(rows);
+}
+
+PairNormal *ComputeContact::pair() const {
+  auto *p = dynamic_cast<PairNormal *>(force->pair_match("granhom/normal", 1));
+  if (!p) error->all(FLERR, std::string("Compute granhom/contact/local requires pair style granhom/normal"));
+  return p;
+}
+
+void ComputeContact::init() {
+  pair();
+}
+
+/* Between runs, commands may have moved atoms or the box. Ghosts are brought up to date here; the list still
+ * holds every contact if no two atoms can have come nearer than the skin since it was made. */
+void ComputeContact::check_list(const PairNormal &p) {
+  if (update->whichflag) return; /* within a run: the list, the ghosts and the forces belong together */
+  int stale = !p.builds || p.build_id.size() != (std::size_t)atom->nlocal ||
+              !std::equal(p.build_id.begin(), p.build_id.end(), atom->tag);
+  double mine[2] = {(double)stale, 0}, all[2];
+  if (!stale)
+    for (int i = 0; i < atom->nlocal; i++) {
+      double r2 = 0;
+      for (int k = 0; k < 3; k++) r2 += std::pow(atom->x[i][k] - p.build_x[3 * (std::size_t)i + k], 2);
+      mine[1] = std::max(mine[1], r2);
+    }
+  MPI_Allreduce(mine, all, 2, MPI_DOUBLE, MPI_MAX, world);
+  double cell[6], change = 0;
+  p.cell_now(cell);
+  const double *old = p.build_cell;
+  for (int k = 0; k < 3; k++) { /* an image moves by its number of cells times the change of the cell */
+    double images =
+        domain->periodicity[k] ? std::ceil(comm->cutghost[k] / (domain->triclinic ? 1 : old[k])) : 0;
+    double tilt = k == 0   ? 0
+                  : k == 1 ? std::fabs(cell[3] - old[3])
+                           : std::hypot(cell[4] - old[4], cell[5] - old[5]);
+    change += images * std::hypot(cell[k] - old[k], tilt);
+  }
+  if (all[0] != 0 || 2 * std::sqrt(all[1]) + change > neighbor->skin * (1 + 1e-9))
+    error->all(FLERR,
+               std::string("Compute granhom/contact/local: atoms or box changed since the last run by more "
+                           "than the neighbor skin, or there was no run yet: use run 0 first"));
+  comm->forward_comm();
+}
+
+/* Of a grain's two images on opposite sides, the one ahead in the order z, y, x of the lattice vectors. */
+bool ComputeContact::ahead(const double *l) const {
+  double kz = domain->zperiodic ? std::round(l[2] / domain->zprd) : 0;
+  if (kz != 0) return kz > 0;
+  double ky = domain->yperiodic ? std::round(l[1] / domain->yprd) : 0;
+  if (ky != 0) return ky > 0;
+  return l[0] > 0;
+}
+
+/* With newton off a contact with a ghost is listed from both sides. */
+bool ComputeContact::counted_here(int i, int j, const double *l) const {
+  if (j < atom->nlocal || force->newton_pair) return true;
+  return atom->tag[i] == atom->tag[j] ? ahead(l) : atom->tag[i] < atom->tag[j];
+}
+
+void ComputeContact::add(const PairNormal &p, int i, int j, int *count) {
+  const double *xi = atom->x[i], *xj = atom->x[j];
+  double l[3] = {xj[0] - xi[0], xj[1] - xi[1], xj[2] - xi[2]};
+  double d = std::sqrt(l[0] * l[0] + l[1] * l[1] + l[2] * l[2]), e = atom->radius[i] + atom->radius[j] - d;
+  if (e < 0 || !counted_here(i, j, l)) return;
+  if (!(d > 0)) const_cast<PairNormal &>(p).centres_coincide(i, j);
+  if (*count == rows_allocated)
+    memory->grow(rows, rows_allocated += 256 + rows_allocated / 2, COLUMNS, "contact:rows");
+  double *r = rows[(*count)++], E = p.stiffness(atom->type[i], atom->type[j]),
+         factor = gh_normal_factor(E, e, d);
+  bool swap = atom->tag[i] == atom->tag[j] ? !ahead(l) : atom->tag[i] > atom->tag[j];
+  r[TAG1] = atom->tag[swap ? j : i];
+  r[TAG2] = atom->tag[swap ? i : j];
+  for (int k = 0; k < 3; k++) {
+    r[LX + k] = swap ? -l[k] : l[k];
+    r[FX + k] = factor * r[LX + k];
+  }
+  r[OVERLAP] = e;
+  r[ENERGY] = gh_normal_energy(E, e);
+  std::fill(r + HXX, r + COLUMNS, 0.0);
+  if (domain->dimension == 3) {
+    gh_normal_hessian(E, e, d, l, 3, r + HXX);
+  } else {
+    double h[3];
+    gh_normal_hessian(E, e, d, l, 2, h);
+    r[HXX] = h[0];
+    r[HXY] = h[1];
+    r[HYY] = h[2];
+  }
+}
+
+void ComputeContact::compute_local() {
+  invoked_local = update->ntimestep;
+  const PairNormal &p = *pair();
+  check_list(p);
+  int count = 0;
+  for (int ii = 0; ii < p.list->inum; ii++) {
+    int i = p.list->ilist[ii];
+    if (!(atom->mask[i] & groupbit)) continue;
+    for (int jj = 0; jj < p.list->numneigh[i]; jj++) {
+      int j = p.list->firstneigh[i][jj] & NEIGHMASK;
+      if (atom->mask[j] & groupbit) add(p, i, j, &count);
+    }
+  }
+  size_local_rows = count;
+  array_local = rows;
+}
+
+double ComputeContact::memory_usage() {
+  return (double)rows_allocated * COLUMNS * sizeof(double);
+}

@@ -1,0 +1,470 @@
+/* LAMMPS fix granhom/relax: dynamic relaxation of grains to a force residual (dissertation 4.4, method 3).
+ * SPDX-License-Identifier: GPL-2.0-or-later
+ *
+ * Unit masses, central differences (4.39), (4.40), damping 2 sqrt(lambda) with lambda from the Rayleigh
+ * quotient of the last step. Positions move in initial_integrate, so that forces, energies, ghosts and
+ * neighbour list that LAMMPS makes afterwards in the same step belong to them. */
+#include "engine/lammps/fix_relax.h"
+
+#include "engine/lammps/pair_normal.h"
+
+#include "atom.h"
+#include "comm.h"
+#include "domain.h"
+#include "error.h"
+#include "force.h"
+#include "modify.h"
+#include "neigh_list.h"
+#include "neighbor.h"
+#include "output.h"
+#include "timer.h"
+#include "update.h"
+
+#include <algorithm>
+#include <cmath>
+#include <climits>
+#include <cstdio>
+#include <cstring>
+#include <string>
+
+using namespace LAMMPS_NS;
+using namespace FixConst;
+using granhom::FixRelax;
+using granhom::PairNormal;
+
+enum { BOUND_EVERY = 32 }; /* steps between two bounds of the largest eigenvalue */
+
+FixRelax::FixRelax(LAMMPS *l, int narg, char **arg)
+    : Fix(l, narg, arg), tolerance(1e-8), floor_force(0), max_steps(LONG_MAX), inner(false), driven(false),
+      cluster(false), active(true), forced(false), pair(nullptr), ended(RUNNING), fresh(true), residual(0),
+      mean_force(0), steps(0), rebuilds(0), builds_at_start(0), ended_at(-1), dt(0), vf(0), ff(0), vv(0),
+      vf_before(0), compare(false) {
+  parse(narg, arg);
+  time_integrate = 1;
+  vector_flag = 1;
+  size_vector = 5;
+  extvector = 0;
+  comm_reverse = 6;
+  if (inner) {
+    force_reneighbor = 1;
+    next_reneighbor = -1;
+    if (comm->nprocs > 1)
+      error->all(FLERR, std::string("Fix granhom/relax with inner yes requires one MPI rank"));
+    if (domain->dimension != 2)
+      error->all(FLERR, std::string("Fix granhom/relax with inner yes requires a 2d simulation"));
+  }
+}
+
+void FixRelax::parse(int narg, char **arg) {
+  for (int k = 3; k < narg; k += 2) {
+    if (k + 1 >= narg)
+      error->all(FLERR, std::string("Illegal fix granhom/relax command: no value for ") + arg[k]);
+    std::string word = arg[k], value = arg[k + 1];
+    if (word == "inner") {
+      if (value != "yes" && value != "no")
+        error->all(FLERR, "Illegal fix granhom/relax command: inner is yes or no, not " + value);
+      inner = value == "yes";
+    } else if (word == "max_steps") {
+      max_steps = utils::bnumeric(FLERR, arg[k + 1], false, lmp);
+      if (max_steps < 1)
+        error->all(FLERR, "Illegal fix granhom/relax command: max_steps must be positive, not " + value);
+    } else if (word == "tolerance" || word == "floor") {
+      double number = utils::numeric(FLERR, arg[k + 1], false, lmp);
+      if (!(number >= 0) || !std::isfinite(number))
+        error->all(FLERR,
+                   "Illegal fix granhom/relax command: " + word + " must not be negative, not " + value);
+      (word == "floor" ? floor_force : tolerance) = number;
+    } else error->all(FLERR, "Illegal fix granhom/relax command: unknown keyword " + word);
+  }
+}
+
+int FixRelax::setmask() {
+  return PRE_EXCHANGE | INITIAL_INTEGRATE | FINAL_INTEGRATE | POST_RUN;
+}
+
+void FixRelax::init() {
+  if (std::strncmp(update->integrate_style, "respa", 5) == 0)
+    error->all(FLERR, std::string("Fix granhom/relax does not run with run_style respa"));
+  pair = dynamic_cast<PairNormal *>(force->pair_match("granhom/normal", 1));
+  if (!pair) error->all(FLERR, std::string("Fix granhom/relax requires pair style granhom/normal"));
+  if (inner) check_inner();
+}
+
+/* The kernel knows the contact forces of one stiffness and nothing else. */
+void FixRelax::check_inner() {
+  double E;
+  if (force->pair != pair || force->bond || force->kspace)
+    error->all(FLERR, std::string("Fix granhom/relax with inner yes: granhom/normal must be the only force"));
+  if (!pair->one_stiffness(&E))
+    error->all(FLERR, std::string("Fix granhom/relax with inner yes requires one stiffness for all types"));
+  for (int k = 0; k < modify->nfix; k++)
+    if ((modify->fmask[k] & POST_FORCE) && std::strcmp(modify->fix[k]->style, "enforce2d") != 0)
+      error->all(FLERR, std::string("Fix granhom/relax with inner yes: fix ") + modify->fix[k]->id +
+                            " changes forces, use inner no");
+  if (neighbor->nex_type || neighbor->nex_group || neighbor->nex_mol)
+    error->all(FLERR, std::string("Fix granhom/relax with inner yes allows no neigh_modify exclude"));
+}
+
+void FixRelax::begin() {
+  for (int i = 0; i < atom->nlocal; i++)
+    if (atom->mask[i] & groupbit) std::fill(atom->v[i], atom->v[i] + 3, 0.0);
+  fresh = compare = false;
+  steps = rebuilds = 0;
+  residual = mean_force = vf = ff = vv = vf_before = 0;
+  builds_at_start = pair->builds;
+  ended = RUNNING;
+  ended_at = -1;
+  dt = 0;
+}
+
+/* Begins a relaxation at the positions whose forces LAMMPS has just computed. */
+void FixRelax::start() {
+  begin();
+  if (driven) return;
+  measure();
+  if (inner) return; /* the kernel judges */
+  steps = 1;
+  judge();
+}
+
+void FixRelax::setup(int) {
+  if (!driven) start();
+}
+
+/* ---- one step per time step ---- */
+
+/* Residual and mean normal contact force at the forces that LAMMPS has computed, and the sums over the free
+ * grains from which step() gets the Rayleigh quotient: v.f, f.f, v.v. One reduction each for sums and
+ * maximum. */
+void FixRelax::measure() {
+  double mine[5] = {pair->force_sum, pair->contact_count, 0, 0, 0}, sum[5], largest = 0, most;
+  for (int i = 0; i < atom->nlocal; i++) {
+    if (!(atom->mask[i] & groupbit)) continue;
+    const double *v = atom->v[i], *f = atom->f[i];
+    double f2 = 0;
+    for (int k = 0; k < domain->dimension; k++) {
+      f2 += f[k] * f[k];
+      mine[2] += v[k] * f[k];
+      mine[4] += v[k] * v[k];
+    }
+    mine[3] += f2;
+    largest = std::max(largest, f2);
+  }
+  MPI_Allreduce(mine, sum, 5, MPI_DOUBLE, MPI_SUM, world);
+  MPI_Allreduce(&largest, &most, 1, MPI_DOUBLE, MPI_MAX, world);
+  mean_force = sum[1] > 0 ? sum[0] / sum[1] : 0;
+  residual = mean_force > 0 ? std::sqrt(most) / mean_force : 0;
+  vf = sum[2];
+  ff = sum[3];
+  vv = sum[4];
+}
+
+void FixRelax::judge() {
+  if (mean_force <= floor_force && (floor_force > 0 || ff <= 0)) end(UNJAMMED);
+  else if (mean_force > 0 && residual <= tolerance) end(CONVERGED);
+  else if (steps >= max_steps) end(SPENT);
+}
+
+void FixRelax::end(state how) {
+  ended = how;
+  ended_at = update->ntimestep;
+  if (how == UNJAMMED) residual = 0;
+}
+
+/* The stiffness block of each grain from the contacts that it has or nearly has. */
+void FixRelax::add_blocks() {
+  const NeighList *list = pair->list;
+  const int nlocal = atom->nlocal, newton = force->newton_pair;
+  block.assign(6 * (std::size_t)(nlocal + atom->nghost), 0.0);
+  for (int ii = 0; ii < list->inum; ii++) {
+    int i = list->ilist[ii];
+    for (int jj = 0; jj < list->numneigh[i]; jj++) {
+      int j = list->firstneigh[i][jj] & NEIGHMASK;
+      const double *xi = atom->x[i], *xj = atom->x[j];
+      double l[3] = {xj[0] - xi[0], xj[1] - xi[1], xj[2] - xi[2]};
+      double d2 = l[0] * l[0] + l[1] * l[1] + l[2] * l[2], reach = atom->radius[i] + atom->radius[j];
+      if (d2 > 1.01 * reach * reach) continue;
+      double s = pair->stiffness(atom->type[i], atom->type[j]) / d2;
+      const double b[6] = {s * l[0] * l[0], s * l[1] * l[1], s * l[2] * l[2],
+                           s * l[0] * l[1], s * l[0] * l[2], s * l[1] * l[2]};
+      for (int k = 0; k < 6; k++) {
+        block[6 * (std::size_t)i + k] += b[k];
+        if (newton || j < nlocal) block[6 * (std::size_t)j + k] += b[k];
+      }
+    }
+  }
+  if (newton) comm->reverse_comm_fix(this);
+}
+
+int FixRelax::pack_reverse_comm(int n, int first, double *buf) {
+  std::copy_n(block.data() + 6 * (std::size_t)first, 6 * (std::size_t)n, buf);
+  return 6 * n;
+}
+
+void FixRelax::unpack_reverse_comm(int n, int *list, double *buf) {
+  for (int a = 0; a < n; a++)
+    for (int k = 0; k < 6; k++) block[6 * (std::size_t)list[a] + k] += buf[6 * a + k];
+}
+
+/* Below the stability limit: the largest eigenvalue is at most twice that of the grains' own blocks, and that
+ * is at most m + sqrt((d-1)/d) |K - m 1| with the mean m of its d eigenvalues (an equality for d = 2). */
+double FixRelax::time_step() {
+  add_blocks();
+  const double d = domain->dimension;
+  double mine[2] = {0, 0}, all[2];
+  for (int i = 0; i < atom->nlocal; i++) {
+    const double *k = &block[6 * (std::size_t)i];
+    double m = (k[0] + k[1] + k[2]) / d, dev = 2 * (k[3] * k[3] + k[4] * k[4] + k[5] * k[5]);
+    for (int c = 0; c < domain->dimension; c++) dev += (k[c] - m) * (k[c] - m);
+    mine[0] = std::max(mine[0], m + std::sqrt((d - 1) / d * dev));
+  }
+  for (int i = 1; i <= atom->ntypes; i++) mine[1] = std::max(mine[1], pair->stiffness(i, i));
+  MPI_Allreduce(mine, all, 2, MPI_DOUBLE, MPI_MAX, world);
+  return gh_relax_time_step(std::max(2 * all[0], all[1]));
+}
+
+void FixRelax::step() {
+  double up = vf_before - vf, lambda = compare && up > 0 && vv > 0 ? up / (dt * vv) : 0,
+         c = 2 * std::sqrt(lambda);
+  if ((steps - 1) % BOUND_EVERY == 0 || dt == 0) dt = time_step();
+  double a = compare ? (2 - c * dt) / (2 + c * dt) : 0, b = compare ? 2 * dt / (2 + c * dt) : dt / 2;
+  for (int i = 0; i < atom->nlocal; i++) {
+    if (!(atom->mask[i] & groupbit)) continue;
+    for (int k = 0; k < domain->dimension; k++) {
+      atom->v[i][k] = a * atom->v[i][k] + b * atom->f[i][k];
+      atom->x[i][k] += dt * atom->v[i][k];
+    }
+  }
+  vf_before = a * vf + b * ff;
+  compare = true;
+}
+
+/* ---- many steps inside one time step ---- */
+
+/* Grains in the order of their ids: the kernel's results must not depend on LAMMPS's order. */
+void FixRelax::sort_ids() {
+  const int n = atom->nlocal;
+  const tagint *tag = atom->tag;
+  order.resize(n);
+  for (int i = 0; i < n; i++) order[i] = i;
+  auto less = [tag](int a, int b) { return tag[a] < tag[b]; };
+  if (!std::is_sorted(order.begin(), order.end(), less)) std::sort(order.begin(), order.end(), less);
+  rank.resize(n);
+  held.resize(n);
+  for (int r = 0; r < n; r++) {
+    rank[order[r]] = r;
+    held[r] = !(atom->mask[order[r]] & groupbit);
+  }
+}
+
+/* Owner of atom j, by id (one rank: every ghost has its owner here). */
+static int owner(const Atom *atom, const std::vector<int> &order, int j) {
+  if (j < atom->nlocal) return j;
+  if (atom->map_style != Atom::MAP_NONE) {
+    int i = const_cast<Atom *>(atom)->map(atom->tag[j]);
+    if (i >= 0 && i < atom->nlocal) return i;
+  }
+  const tagint *tag = atom->tag;
+  return *std::lower_bound(order.begin(), order.end(), tag[j],
+                           [tag](int a, tagint id) { return tag[a] < id; });
+}
+
+/* Adds the pair to the kernel's list: lower id first, ghosts as their owner and a sum of lattice vectors.
+ * With newton off a pair with a ghost is listed from both sides; a grain's own images exert no net force. */
+void FixRelax::add_pair(int i, int j) {
+  int o = owner(atom, order, j);
+  if (o == i || (j >= atom->nlocal && !force->newton_pair && rank[i] > rank[o])) return;
+  const double *xi = atom->x[i], *xj = atom->x[j], *xo = atom->x[o];
+  double reach = atom->radius[i] + atom->radius[j], far = reach + neighbor->skin;
+  double lx = xj[0] - xi[0], ly = xj[1] - xi[1];
+  if (lx * lx + ly * ly > far * far) return;
+  double ky = domain->yperiodic ? std::round((xj[1] - xo[1]) / domain->yprd) : 0;
+  double kx = domain->xperiodic ? std::round((xj[0] - xo[0] - ky * domain->xy) / domain->xprd) : 0;
+  gh_pair p = {rank[i], rank[o], {kx * domain->xprd + ky * domain->xy, ky * domain->yprd}, reach};
+  if (p.i > p.j) p = {p.j, p.i, {-p.shift[0], -p.shift[1]}, reach};
+  pairs.push_back(p);
+}
+
+void FixRelax::find_pairs() {
+  const NeighList *list = pair->list;
+  pairs.clear();
+  for (int ii = 0; ii < list->inum; ii++) {
+    int i = list->ilist[ii];
+    for (int jj = 0; jj < list->numneigh[i]; jj++) add_pair(i, list->firstneigh[i][jj] & NEIGHMASK);
+  }
+  std::sort(pairs.begin(), pairs.end(), [](const gh_pair &a, const gh_pair &b) {
+    if (a.i != b.i) return a.i < b.i;
+    if (a.j != b.j) return a.j < b.j;
+    if (a.shift[1] != b.shift[1]) return a.shift[1] < b.shift[1];
+    return a.shift[0] < b.shift[0];
+  });
+}
+
+/* Steps on LAMMPS's neighbour list until the end of the relaxation or of the list. */
+void FixRelax::run_kernel() {
+  const std::size_t n = atom->nlocal;
+  sort_ids();
+  find_pairs();
+  for (auto *a : {&X, &V, &F, &X0}) a->resize(2 * n);
+  work.resize(gh_relax_work((int)n, (int)pairs.size()));
+  for (std::size_t r = 0; r < n; r++)
+    for (std::size_t k = 0; k < 2; k++) {
+      X[2 * r + k] = atom->x[order[r]][k];
+      V[2 * r + k] = atom->v[order[r]][k];
+      X0[2 * r + k] = pair->build_x[3 * (std::size_t)order[r] + k];
+    }
+  gh_relax_state s = {};
+  s.n = (int)n;
+  s.held = held.data();
+  s.npairs = (int)pairs.size();
+  s.pairs = pairs.data();
+  pair->one_stiffness(&s.stiffness);
+  s.x = X.data(), s.v = V.data(), s.f = F.data(), s.x0 = X0.data(), s.work = work.data();
+  s.slack = neighbor->skin / 2;
+  s.started = steps > 0;
+  gh_relax_end how =
+      gh_relax_run(&s, tolerance, floor_force, max_steps - steps, &residual, &mean_force, &steps);
+  for (std::size_t r = 0; r < n; r++) {
+    if (held[r]) continue;
+    for (std::size_t k = 0; k < 2; k++) {
+      atom->x[order[r]][k] = X[2 * r + k];
+      atom->v[order[r]][k] = V[2 * r + k];
+    }
+  }
+  if (how == GH_RELAX_CONVERGED) end(CONVERGED);
+  else if (how == GH_RELAX_UNJAMMED) end(UNJAMMED);
+  else if (how == GH_RELAX_STEPS || steps >= max_steps) end(SPENT);
+  if (how == GH_RELAX_REBUILD) next_reneighbor = update->ntimestep;
+}
+
+/* ---- the time step ---- */
+
+void FixRelax::initial_integrate(int) {
+  if (!active) return;
+  if (fresh) start();
+  if (ended != RUNNING) return;
+  if (inner) run_kernel();
+  else step();
+}
+
+void FixRelax::final_integrate() {
+  if (!active) return;
+  if (!inner && ended == RUNNING) {
+    measure();
+    steps++;
+    judge();
+  }
+  rebuilds = pair->builds - builds_at_start;
+  if (ended != RUNNING) stop_run();
+}
+
+/* The run ends by LAMMPS's timer. In a script it ends with a time step in which nothing moves and thermo
+ * output is due: energies and stress are tallied there, and a following run may start with pre no. */
+void FixRelax::stop_run() {
+  const bigint now = update->ntimestep;
+  const bool thermo_now = output->next_thermo == now;
+  if (driven || (thermo_now && now > ended_at)) {
+    timer->force_timeout();
+    forced = true;
+  } else if (!thermo_now && now < update->laststep) {
+    modify->addstep_compute_all(now + 1);
+    output->next_thermo = now + 1;
+    output->next = std::min(output->next, now + 1);
+  }
+}
+
+void FixRelax::post_run() {
+  if (forced) timer->reset_timeout();
+  forced = false;
+  if (driven || !update->nsteps) return;
+  if (ended == RUNNING || ended == SPENT) {
+    char text[160];
+    snprintf(text, sizeof text,
+             "Fix granhom/relax: not converged, residual %g above the tolerance %g after %ld steps", residual,
+             tolerance, steps);
+    if (comm->me == 0) error->warning(FLERR, std::string(text));
+  }
+  fresh = ended != RUNNING; /* a run with pre no goes on with what is unfinished */
+}
+
+double FixRelax::compute_vector(int n) {
+  const double values[] = {residual, mean_force, (double)steps, (double)rebuilds,
+                           ended == CONVERGED  ? 1.
+                           : ended == UNJAMMED ? 2.
+                                               : 0.};
+  return values[n];
+}
+
+double FixRelax::memory_usage() {
+  std::size_t doubles =
+      block.capacity() + X.capacity() + V.capacity() + F.capacity() + X0.capacity() + work.capacity();
+  return (double)(doubles * sizeof(double) + pairs.capacity() * sizeof(gh_pair) +
+                  (order.capacity() + rank.capacity()) * sizeof(int) + held.capacity());
+}
+
+/* ---- driven by a program ---- */
+
+void FixRelax::drive(bool periodic) {
+  driven = true;
+  active = false;
+  cluster = !periodic;
+  box_change = BOX_CHANGE_X | BOX_CHANGE_Y | (periodic ? BOX_CHANGE_XY : 0);
+}
+
+void FixRelax::set_cell(double lx, double ly, double xy) {
+  const double low[3] = {0, 0, -0.5}, high[3] = {lx, ly, 0.5};
+  std::copy(low, low + 3, domain->boxlo);
+  std::copy(high, high + 3, domain->boxhi);
+  domain->xy = xy;
+  domain->set_global_box();
+  domain->set_local_box();
+  rebuild_next();
+}
+
+void FixRelax::rebuild_next() {
+  next_reneighbor = update->ntimestep + 1;
+}
+
+void FixRelax::relax_next(double new_tolerance, double new_floor, long new_max_steps) {
+  tolerance = new_tolerance;
+  floor_force = new_floor;
+  max_steps = new_max_steps;
+  active = fresh = true;
+  ended = RUNNING;
+}
+
+long FixRelax::builds() const {
+  return pair ? pair->builds : 0;
+}
+
+void FixRelax::setup_pre_exchange() {
+  pre_exchange();
+}
+
+/* LAMMPS wraps by one period at most and loses what is farther out. */
+void FixRelax::pre_exchange() {
+  if (!driven) return;
+  if (cluster) {
+    surround();
+    return;
+  }
+  for (int i = 0; i < atom->nlocal; i++) {
+    double s[3];
+    domain->x2lamda(atom->x[i], s);
+    if (s[0] < -0.5 || s[0] > 1.5 || s[1] < -0.5 || s[1] > 1.5) domain->remap(atom->x[i], atom->image[i]);
+  }
+}
+
+/* A cluster has no box of its own: LAMMPS's box follows the grains, so that none is ever outside. */
+void FixRelax::surround() {
+  double room = pair->cutforce + neighbor->skin;
+  for (int k = 0; k < 2; k++) {
+    double low = atom->x[0][k], high = low;
+    for (int i = 1; i < atom->nlocal; i++) {
+      low = std::min(low, atom->x[i][k]);
+      high = std::max(high, atom->x[i][k]);
+    }
+    domain->boxlo[k] = low - room;
+    domain->boxhi[k] = high + room;
+  }
+}

@@ -1,0 +1,94 @@
+/* LAMMPS fix granhom/relax: dynamic relaxation of grains to a force residual.
+ * SPDX-License-Identifier: GPL-2.0-or-later */
+#ifndef GRANHOM_LAMMPS_FIX_RELAX_H
+#define GRANHOM_LAMMPS_FIX_RELAX_H
+
+#include "engine/lammps/c_mpi.h"
+#include "engine/relax.h"
+
+#include "fix.h"
+
+#include <vector>
+
+namespace granhom {
+
+class PairNormal;
+
+class FixRelax : public LAMMPS_NS::Fix {
+public:
+  FixRelax(LAMMPS_NS::LAMMPS *lmp, int narg, char **arg);
+  int setmask() override;
+  void init() override;
+  void setup(int vflag) override;
+  void setup_pre_exchange() override;
+  void pre_exchange() override;
+  void initial_integrate(int vflag) override;
+  void final_integrate() override;
+  void post_run() override;
+  int pack_reverse_comm(int n, int first, double *buf) override;
+  void unpack_reverse_comm(int n, int *list, double *buf) override;
+  double compute_vector(int n) override;
+  double memory_usage() override;
+
+  /* ---- for a program that drives LAMMPS through its library (guard.h) ---- */
+
+  /* From now on the fix does nothing in a run unless relax_next() was called; the cell may change between
+   * runs. Before the first run. */
+  void drive(bool periodic);
+  /* The box becomes [0, lx] x [0, ly] with the tilt xy; the lists are made anew in the next run. */
+  void set_cell(double lx, double ly, double xy);
+  void rebuild_next();
+  /* The next runs relax, until finished(). */
+  void relax_next(double new_tolerance, double new_floor, long new_max_steps);
+  bool finished() const { return ended != RUNNING; }
+  void idle() { active = false; }
+  int group_bit() const { return groupbit; }
+  long builds() const;
+
+private:
+  enum state { RUNNING, CONVERGED, UNJAMMED, SPENT };
+
+  double tolerance, floor_force;
+  long max_steps;
+  bool inner;                           /* steps are made inside one time step, by the kernel */
+  bool driven, cluster, active, forced; /* forced: the run was ended through LAMMPS's timer */
+  PairNormal *pair;
+
+  state ended;
+  bool fresh; /* the next step begins a new relaxation */
+  double residual, mean_force;
+  long steps, rebuilds, builds_at_start;
+  LAMMPS_NS::bigint ended_at; /* time step */
+
+  /* one step per time step: last sums over the grains, see measure() */
+  double dt, vf, ff, vv, vf_before;
+  bool compare;
+  std::vector<double> block; /* 6 per atom: xx yy zz xy xz yz of a grain's own stiffness */
+
+  /* inner steps: the grains in the order of their ids */
+  std::vector<int> order, rank;
+  std::vector<unsigned char> held;
+  std::vector<gh_pair> pairs;
+  std::vector<double> X, V, F, X0, work;
+
+  void begin();
+  void parse(int narg, char **arg);
+  void check_inner();
+  void measure();
+  void judge();
+  void add_blocks();
+  double time_step();
+  void step();
+  void sort_ids();
+  void find_pairs();
+  void add_pair(int i, int j);
+  void run_kernel();
+  void surround();
+  void stop_run();
+  void start();
+  void end(state how);
+};
+
+} // namespace granhom
+
+#endif

@@ -1,0 +1,206 @@
+/* LAMMPS pair style granhom/normal: one-sided harmonic normal contact of spheres and disks.
+ * SPDX-License-Identifier: GPL-2.0-or-later
+ *
+ * LAMMPS's sign convention: del = x_i - x_j = -l, and fpair * del is the force on i. */
+#include "engine/lammps/pair_normal.h"
+
+#include "contact/normal.h"
+
+#include "atom.h"
+#include "comm.h"
+#include "domain.h"
+#include "error.h"
+#include "force.h"
+#include "memory.h"
+#include "neigh_list.h"
+#include "neighbor.h"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+using namespace LAMMPS_NS;
+using granhom::PairNormal;
+
+PairNormal::PairNormal(LAMMPS *l) : Pair(l) {
+  writedata = 1;
+}
+
+PairNormal::~PairNormal() {
+  if (copymode || !allocated) return;
+  memory->destroy(setflag);
+  memory->destroy(cutsq);
+  memory->destroy(E);
+  memory->destroy(largest);
+}
+
+void PairNormal::allocate() {
+  allocated = 1;
+  int n = atom->ntypes + 1;
+  memory->create(setflag, n, n, "pair:setflag");
+  memory->create(cutsq, n, n, "pair:cutsq");
+  memory->create(E, n, n, "pair:E");
+  memory->create(largest, n, "pair:largest");
+  for (int i = 0; i < n; i++)
+    for (int j = 0; j < n; j++) {
+      setflag[i][j] = 0;
+      cutsq[i][j] = E[i][j] = 0;
+    }
+}
+
+void PairNormal::settings(int narg, char **) {
+  if (narg) error->all(FLERR, std::string("Illegal pair_style command: granhom/normal takes no arguments"));
+}
+
+void PairNormal::coeff(int narg, char **arg) {
+  if (narg != 3)
+    error->all(FLERR,
+               std::string("Incorrect args for pair coefficients: granhom/normal wants pair_coeff I J E"));
+  if (!allocated) allocate();
+  int ilo, ihi, jlo, jhi;
+  utils::bounds(FLERR, arg[0], 1, atom->ntypes, ilo, ihi, error);
+  utils::bounds(FLERR, arg[1], 1, atom->ntypes, jlo, jhi, error);
+  double e = utils::numeric(FLERR, arg[2], false, lmp);
+  if (!(e > 0) || !std::isfinite(e))
+    error->all(FLERR,
+               std::string("Normal stiffness of pair granhom/normal must be positive and finite, not ") +
+                   arg[2]);
+  int count = 0;
+  for (int i = ilo; i <= ihi; i++)
+    for (int j = std::max(jlo, i); j <= jhi; j++, count++) {
+      E[i][j] = E[j][i] = e;
+      setflag[i][j] = 1;
+    }
+  if (!count) error->all(FLERR, std::string("Incorrect args for pair coefficients"));
+}
+
+void PairNormal::init_style() {
+  if (!atom->radius_flag) error->all(FLERR, std::string("Pair granhom/normal requires atom style sphere"));
+  int n = atom->ntypes + 1;
+  std::vector<double> mine(n, 0.0);
+  for (int i = 0; i < atom->nlocal; i++) mine[atom->type[i]] = std::max(mine[atom->type[i]], atom->radius[i]);
+  MPI_Allreduce(mine.data(), largest, n, MPI_DOUBLE, MPI_MAX, world);
+  neighbor->request(this, instance_me);
+}
+
+double PairNormal::init_one(int i, int j) {
+  if (!setflag[i][j]) E[i][j] = 0.5 * (E[i][i] + E[j][j]);
+  E[j][i] = E[i][j];
+  return largest[i] + largest[j];
+}
+
+bool PairNormal::one_stiffness(double *value) const {
+  *value = E[1][1];
+  for (int i = 1; i <= atom->ntypes; i++)
+    for (int j = 1; j <= atom->ntypes; j++)
+      if (E[i][j] != *value) return false;
+  return true;
+}
+
+void PairNormal::cell_now(double cell[6]) const {
+  const double c[6] = {domain->xprd, domain->yprd, domain->zprd, domain->xy, domain->xz, domain->yz};
+  std::copy(c, c + 6, cell);
+}
+
+void PairNormal::note_build() {
+  builds++;
+  const double *x = atom->nlocal ? atom->x[0] : nullptr;
+  build_x.assign(x, x + 3 * (std::size_t)atom->nlocal);
+  build_id.assign(atom->tag, atom->tag + atom->nlocal);
+  cell_now(build_cell);
+}
+
+void PairNormal::centres_coincide(int i, int j) {
+  error->one(FLERR, "Centres of atoms " + std::to_string(atom->tag[i]) + " and " +
+                        std::to_string(atom->tag[j]) +
+                        " coincide or are not finite: their contact has no direction");
+}
+
+void PairNormal::compute(int eflag, int vflag) {
+  ev_init(eflag, vflag);
+  if (neighbor->ago == 0) note_build();
+
+  const double *const *x = atom->x;
+  double **f = atom->f;
+  const double *radius = atom->radius;
+  const int *type = atom->type;
+  const tagint *tag = atom->tag;
+  const int nlocal = atom->nlocal, newton = force->newton_pair;
+  double sum = 0, count = 0;
+
+  for (int ii = 0; ii < list->inum; ii++) {
+    const int i = list->ilist[ii];
+    const int *jlist = list->firstneigh[i], jnum = list->numneigh[i];
+    const double xi[3] = {x[i][0], x[i][1], x[i][2]}, ri = radius[i];
+    double fi[3] = {0, 0, 0};
+    for (int jj = 0; jj < jnum; jj++) {
+      const int j = jlist[jj] & NEIGHMASK;
+      const double del[3] = {xi[0] - x[j][0], xi[1] - x[j][1], xi[2] - x[j][2]};
+      const double rsq = del[0] * del[0] + del[1] * del[1] + del[2] * del[2], reach = ri + radius[j];
+      if (rsq > 1.000001 * reach * reach) continue; /* the root decides near the limit, as in the kernel */
+      const double d = std::sqrt(rsq), e = reach - d;
+      if (e < 0) continue;
+      if (!(d > 0)) centres_coincide(i, j);
+      const double stiff = E[type[i]][type[j]], fpair = -gh_normal_factor(stiff, e, d);
+      for (int k = 0; k < 3; k++) fi[k] += fpair * del[k];
+      if (newton || j < nlocal)
+        for (int k = 0; k < 3; k++) f[j][k] -= fpair * del[k];
+      if (tag[i] != tag[j]) {
+        const double weight = newton || j < nlocal ? 1 : 0.5;
+        sum += weight * stiff * e;
+        count += weight;
+      }
+      if (evflag)
+        ev_tally(i, j, nlocal, newton, gh_normal_energy(stiff, e), 0, fpair, del[0], del[1], del[2]);
+    }
+    for (int k = 0; k < 3; k++) f[i][k] += fi[k];
+  }
+  force_sum = sum;
+  contact_count = count;
+  if (vflag_fdotr) virial_fdotr_compute();
+}
+
+double PairNormal::single(int i, int j, int itype, int jtype, double rsq, double, double, double &fforce) {
+  const double d = std::sqrt(rsq), e = atom->radius[i] + atom->radius[j] - d;
+  fforce = 0;
+  if (e < 0) return 0;
+  if (!(d > 0)) centres_coincide(i, j);
+  fforce = -gh_normal_factor(E[itype][jtype], e, d);
+  return gh_normal_energy(E[itype][jtype], e);
+}
+
+void PairNormal::write_restart(FILE *fp) {
+  for (int i = 1; i <= atom->ntypes; i++)
+    for (int j = i; j <= atom->ntypes; j++) {
+      fwrite(&setflag[i][j], sizeof(int), 1, fp);
+      fwrite(&E[i][j], sizeof(double), 1, fp);
+    }
+}
+
+void PairNormal::read_restart(FILE *fp) {
+  allocate();
+  for (int i = 1; i <= atom->ntypes; i++)
+    for (int j = i; j <= atom->ntypes; j++) {
+      if (comm->me == 0) {
+        utils::sfread(FLERR, &setflag[i][j], sizeof(int), 1, fp, nullptr, error);
+        utils::sfread(FLERR, &E[i][j], sizeof(double), 1, fp, nullptr, error);
+      }
+      MPI_Bcast(&setflag[i][j], 1, MPI_INT, 0, world);
+      MPI_Bcast(&E[i][j], 1, MPI_DOUBLE, 0, world);
+      E[j][i] = E[i][j];
+    }
+}
+
+void PairNormal::write_data(FILE *fp) {
+  for (int i = 1; i <= atom->ntypes; i++) fprintf(fp, "%d %.17g\n", i, E[i][i]);
+}
+
+void PairNormal::write_data_all(FILE *fp) {
+  for (int i = 1; i <= atom->ntypes; i++)
+    for (int j = i; j <= atom->ntypes; j++) fprintf(fp, "%d %d %.17g\n", i, j, E[i][j]);
+}
+
+double PairNormal::memory_usage() {
+  return Pair::memory_usage() + (double)build_x.capacity() * sizeof(double) +
+         (double)build_id.capacity() * sizeof(tagint);
+}

@@ -1,0 +1,57 @@
+/* LAMMPS pair style granhom/normal: one-sided harmonic normal contact of spheres and disks.
+ * SPDX-License-Identifier: GPL-2.0-or-later */
+#ifndef GRANHOM_LAMMPS_PAIR_NORMAL_H
+#define GRANHOM_LAMMPS_PAIR_NORMAL_H
+
+#include "engine/lammps/c_mpi.h"
+
+#include "pair.h"
+
+#include <vector>
+
+namespace granhom {
+
+class PairNormal : public LAMMPS_NS::Pair {
+public:
+  explicit PairNormal(LAMMPS_NS::LAMMPS *lmp);
+  ~PairNormal() override;
+  void compute(int eflag, int vflag) override;
+  double single(int i, int j, int itype, int jtype, double rsq, double factor_coul, double factor_lj,
+                double &fforce) override;
+  void settings(int narg, char **arg) override;
+  void coeff(int narg, char **arg) override;
+  void init_style() override;
+  double init_one(int i, int j) override;
+  void write_restart(FILE *fp) override;
+  void read_restart(FILE *fp) override;
+  void write_data(FILE *fp) override;
+  void write_data_all(FILE *fp) override;
+  double memory_usage() override;
+
+  double stiffness(int itype, int jtype) const { return E[itype][jtype]; }
+  /* True when all pairs of types have the stiffness that is written to *value. */
+  bool one_stiffness(double *value) const;
+  /* Stops the run: the contact of these two atoms has no direction. */
+  [[noreturn]] void centres_coincide(int i, int j);
+
+  /* Of the last compute() on this rank: sum of the normal forces and number of contacts (a contact across
+   * ranks counts half on each side); a grain and its own image are left out, they exert no net force. */
+  double force_sum = 0, contact_count = 0;
+
+  /* State when the neighbour list was made, for those who must know whether it still holds. */
+  long builds = 0;                         /* lists made so far */
+  std::vector<double> build_x;             /* 3 per owned atom */
+  std::vector<LAMMPS_NS::tagint> build_id; /* per owned atom */
+  double build_cell[6] = {};               /* xprd yprd zprd xy xz yz */
+  void cell_now(double cell[6]) const;
+
+private:
+  double **E = nullptr;      /* stiffness of the pairs of types */
+  double *largest = nullptr; /* largest radius of each type */
+  void allocate();
+  void note_build();
+};
+
+} // namespace granhom
+
+#endif

@@ -1,0 +1,312 @@
+/* HDF5: one writer, datasets of numbers. SPDX-License-Identifier: GPL-2.0-or-later
+ * A file that is written is built in memory (HDF5's core driver) and goes to disk as a whole at the commit,
+ * by the same way as text files. HDF5 1.10 does not survive a full disk: the file cannot be closed any more
+ * and the program crashes at its end. HDF5 prints nothing: every public function switches its error printing
+ * off while it runs. */
+#include "io/file.h"
+
+#include <hdf5.h>
+#include <errno.h>
+#include <limits.h>
+#include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+
+enum { MEMORY_STEP = 1 << 20, REASON = 512 };
+
+struct gh_h5 {
+  gh_context *ctx;
+  char *path;
+  hid_t id;
+  bool writing;
+};
+
+/* ---- HDF5's errors ---- */
+
+typedef struct {
+  H5E_auto2_t function;
+  void *data;
+} printing;
+
+static printing printing_off(void) {
+  printing p = {0};
+  H5Eget_auto2(H5E_DEFAULT, &p.function, &p.data);
+  H5Eset_auto2(H5E_DEFAULT, NULL, NULL);
+  return p;
+}
+
+static void printing_on(printing p) {
+  H5Eset_auto2(H5E_DEFAULT, p.function, p.data);
+}
+
+static herr_t take_innermost(unsigned n, const H5E_error2_t *error, void *data) {
+  if (n == 0 && error->desc) snprintf(data, REASON, "%s", error->desc);
+  return 0;
+}
+
+/* Fails with the innermost message of HDF5's error stack, so call it before any other function of HDF5. */
+static gh_status fail(const gh_h5 *f, gh_status s, const char *what, const char *name) {
+  char reason[REASON] = "HDF5 gives no reason";
+  H5Ewalk2(H5E_DEFAULT, H5E_WALK_UPWARD, take_innermost, reason);
+  return gh_fail(f->ctx, s, "%s: cannot %s %s: %s", f->path, what, name, reason);
+}
+
+/* ---- open and close ---- */
+
+static gh_status create(gh_context *ctx, const char *path, bool writing, gh_h5 **out) {
+  gh_h5 *f;
+  GH_TRY(gh_alloc(ctx, 1, sizeof *f, &f));
+  *f = (gh_h5){.ctx = ctx, .path = strdup(path), .id = H5I_INVALID_HID, .writing = writing};
+  *out = f;
+  return f->path ? GH_OK : gh_fail(ctx, GH_MEMORY, "%s: no memory for its name", path);
+}
+
+/* Opens what is there. No locks: files are replaced as a whole, and some network file systems refuse locks.
+ */
+static gh_status open_existing(gh_h5 *f, hid_t access) {
+  struct stat info;
+  if (stat(f->path, &info) != 0)
+    return gh_fail(f->ctx, GH_INPUT, "%s: cannot be opened: %s", f->path, strerror(errno));
+  if (S_ISDIR(info.st_mode)) return gh_fail(f->ctx, GH_INPUT, "%s: is a folder, a file is wanted", f->path);
+  if (info.st_size == 0) return gh_fail(f->ctx, GH_INPUT, "%s: the file is empty", f->path);
+  H5Pset_file_locking(access, false, true);
+  f->id = H5Fopen(f->path, f->writing ? H5F_ACC_RDWR : H5F_ACC_RDONLY, access);
+  return f->id < 0 ? fail(f, GH_INPUT, "open", "it as an HDF5 file") : GH_OK;
+}
+
+static gh_status open_for_change(gh_h5 *f, bool append) {
+  struct stat info;
+  bool there = append && stat(f->path, &info) == 0;
+  hid_t access = H5Pcreate(H5P_FILE_ACCESS);
+  gh_status s = GH_OK;
+  if (access < 0 || H5Pset_fapl_core(access, MEMORY_STEP, false) < 0) {
+    s = fail(f, GH_MEMORY, "make", "a file in memory");
+  } else if (there) {
+    s = open_existing(f, access);
+  } else {
+    f->id = H5Fcreate(f->path, H5F_ACC_TRUNC, H5P_DEFAULT, access);
+    if (f->id < 0) s = fail(f, GH_MEMORY, "make", "a file in memory");
+  }
+  if (access >= 0) H5Pclose(access);
+  return s;
+}
+
+static gh_status open_to_read(gh_h5 *f) {
+  hid_t access = H5Pcreate(H5P_FILE_ACCESS);
+  gh_status s = access < 0 ? fail(f, GH_MEMORY, "open", "it") : open_existing(f, access);
+  if (access >= 0) H5Pclose(access);
+  return s;
+}
+
+gh_status gh_h5_open(gh_context *ctx, const char *path, bool append, gh_h5 **file) {
+  *file = NULL;
+  printing p = printing_off();
+  gh_status s = create(ctx, path, true, file);
+  if (s == GH_OK) s = open_for_change(*file, append);
+  if (s != GH_OK) gh_h5_close(file);
+  printing_on(p);
+  return s;
+}
+
+gh_status gh_h5_read(gh_context *ctx, const char *path, gh_h5 **file) {
+  *file = NULL;
+  printing p = printing_off();
+  gh_status s = create(ctx, path, false, file);
+  if (s == GH_OK) s = open_to_read(*file);
+  if (s != GH_OK) gh_h5_close(file);
+  printing_on(p);
+  return s;
+}
+
+void gh_h5_close(gh_h5 **file) {
+  if (!file || !*file) return;
+  printing p = printing_off();
+  if ((*file)->id >= 0) H5Fclose((*file)->id);
+  printing_on(p);
+  free((*file)->path);
+  free(*file);
+  *file = NULL;
+}
+
+/* The file in memory, to disk. Its buffer grows in steps; the image is the part in use. */
+static gh_status write_image(gh_h5 *f) {
+  void **buffer;
+  ssize_t size;
+  if (!f->writing)
+    return gh_fail(f->ctx, GH_INTERNAL, "%s: was opened for reading and cannot be committed", f->path);
+  if (H5Fflush(f->id, H5F_SCOPE_GLOBAL) < 0 || (size = H5Fget_file_image(f->id, NULL, 0)) < 0 ||
+      H5Fget_vfd_handle(f->id, H5P_DEFAULT, (void **)&buffer) < 0) {
+    return fail(f, GH_MEMORY, "finish", "the file in memory");
+  }
+  return gh_file_write(f->ctx, f->path, *buffer, (size_t)size);
+}
+
+gh_status gh_h5_commit(gh_h5 **file) {
+  printing p = printing_off();
+  gh_status s = write_image(*file);
+  gh_h5_close(file);
+  printing_on(p);
+  return s;
+}
+
+/* ---- writing ---- */
+
+/* Number of bytes of an array; false when no memory could hold it. */
+static bool array_bytes(size_t rows, size_t cols, size_t size, size_t *bytes) {
+  if (cols != 0 && rows > SIZE_MAX / cols / size) return false;
+  *bytes = rows * cols * size;
+  return true;
+}
+
+/* A dataset of this name makes room. */
+static gh_status drop(const gh_h5 *f, const char *name) {
+  hid_t old = H5Dopen2(f->id, name, H5P_DEFAULT);
+  if (old < 0) return GH_OK;
+  H5Dclose(old);
+  return H5Ldelete(f->id, name, H5P_DEFAULT) < 0 ? fail(f, GH_INTERNAL, "replace", name) : GH_OK;
+}
+
+static gh_status write_dataset(const gh_h5 *f, const char *name, hid_t type, hid_t space, const void *data) {
+  GH_TRY(drop(f, name));
+  hid_t link = H5Pcreate(H5P_LINK_CREATE), creation = H5Pcreate(H5P_DATASET_CREATE), set = H5I_INVALID_HID;
+  gh_status s = GH_OK;
+  H5Pset_create_intermediate_group(link, 1);
+  H5Pset_obj_track_times(creation, false); /* the same results are the same file */
+  if ((set = H5Dcreate2(f->id, name, type, space, link, creation, H5P_DEFAULT)) < 0) {
+    s = fail(f, GH_INTERNAL, "make", name);
+  } else if (data && H5Dwrite(set, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, data) < 0) {
+    s = fail(f, GH_MEMORY, "write", name);
+  }
+  if (set >= 0 && H5Dclose(set) < 0 && s == GH_OK) s = fail(f, GH_MEMORY, "write", name);
+  if (link >= 0) H5Pclose(link);
+  if (creation >= 0) H5Pclose(creation);
+  return s;
+}
+
+static gh_status put(const gh_h5 *f, const char *name, hid_t type, size_t rows, size_t cols,
+                     const void *data) {
+  const hsize_t size[2] = {rows, cols};
+  size_t bytes;
+  if (!f->writing)
+    return gh_fail(f->ctx, GH_INTERNAL, "%s: %s was to be written, but the file is open for reading", f->path,
+                   name);
+  if (!array_bytes(rows, cols, H5Tget_size(type), &bytes))
+    return gh_fail(f->ctx, GH_INTERNAL, "%s: %s: %zu x %zu values are no array", f->path, name, rows, cols);
+  hid_t space = H5Screate_simple(cols == 1 ? 1 : 2, size, NULL);
+  if (space < 0) return fail(f, GH_INTERNAL, "make", name);
+  gh_status s = write_dataset(f, name, type, space, bytes ? data : NULL);
+  H5Sclose(space);
+  return s;
+}
+
+gh_status gh_h5_put_doubles(gh_h5 *f, const char *name, size_t rows, size_t cols, const double *data) {
+  printing p = printing_off();
+  gh_status s = put(f, name, H5T_NATIVE_DOUBLE, rows, cols, data);
+  printing_on(p);
+  return s;
+}
+
+gh_status gh_h5_put_ints(gh_h5 *f, const char *name, size_t rows, size_t cols, const int *data) {
+  printing p = printing_off();
+  gh_status s = put(f, name, H5T_NATIVE_INT, rows, cols, data);
+  printing_on(p);
+  return s;
+}
+
+static gh_status put_text(const gh_h5 *f, const char *name, const char *text) {
+  if (!f->writing)
+    return gh_fail(f->ctx, GH_INTERNAL, "%s: %s was to be written, but the file is open for reading", f->path,
+                   name);
+  hid_t type = H5Tcopy(H5T_C_S1), space = H5Screate(H5S_SCALAR);
+  gh_status s = GH_OK;
+  if (type < 0 || space < 0 || H5Tset_size(type, strlen(text) + 1) < 0 ||
+      H5Tset_cset(type, H5T_CSET_UTF8) < 0)
+    s = fail(f, GH_MEMORY, "make", name);
+  if (s == GH_OK) s = write_dataset(f, name, type, space, text);
+  if (type >= 0) H5Tclose(type);
+  if (space >= 0) H5Sclose(space);
+  return s;
+}
+
+gh_status gh_h5_put_text(gh_h5 *f, const char *name, const char *text) {
+  printing p = printing_off();
+  gh_status s = put_text(f, name, text);
+  printing_on(p);
+  return s;
+}
+
+/* ---- reading ---- */
+
+static gh_status get_size(const gh_h5 *f, const char *name, hid_t set, size_t *rows, size_t *cols) {
+  hsize_t size[2] = {1, 1};
+  hid_t space = H5Dget_space(set);
+  int rank = space < 0 ? -1 : H5Sget_simple_extent_ndims(space);
+  if (rank >= 0 && rank <= 2) H5Sget_simple_extent_dims(space, size, NULL);
+  if (space >= 0) H5Sclose(space);
+  if (rank < 0 || rank > 2)
+    return gh_fail(f->ctx, GH_INPUT, "%s: %s has %d dimensions, at most 2 are read", f->path, name, rank);
+  *rows = (size_t)size[0];
+  *cols = (size_t)size[1];
+  return GH_OK;
+}
+
+/* Integers that fit an int, or numbers that fit a double: nothing is cut silently. */
+static gh_status check_type(const gh_h5 *f, const char *name, hid_t set, bool integers) {
+  hid_t type = H5Dget_type(set);
+  H5T_class_t class = type < 0 ? H5T_NO_CLASS : H5Tget_class(type);
+  size_t size = type < 0 ? 0 : H5Tget_size(type);
+  bool fits =
+      class == H5T_INTEGER && (size < sizeof(int) || (size == sizeof(int) && H5Tget_sign(type) == H5T_SGN_2));
+  if (!integers) fits = fits || (class == H5T_FLOAT && size <= sizeof(double));
+  if (type >= 0) H5Tclose(type);
+  if (fits) return GH_OK;
+  return gh_fail(f->ctx, GH_INPUT, "%s: %s does not hold %s", f->path, name,
+                 integers ? "integers" : "numbers");
+}
+
+static gh_status open_dataset(const gh_h5 *f, const char *name, hid_t *set) {
+  *set = H5Dopen2(f->id, name, H5P_DEFAULT);
+  return *set < 0 ? fail(f, GH_INPUT, "find", name) : GH_OK;
+}
+
+static gh_status get(const gh_h5 *f, const char *name, hid_t type, size_t rows, size_t cols, void *data) {
+  hid_t set;
+  size_t r = 0, c = 0;
+  GH_TRY(open_dataset(f, name, &set));
+  gh_status s = get_size(f, name, set, &r, &c);
+  if (s == GH_OK && (r != rows || c != cols))
+    s = gh_fail(f->ctx, GH_INPUT, "%s: %s is %zu x %zu, wanted is %zu x %zu", f->path, name, r, c, rows,
+                cols);
+  if (s == GH_OK) s = check_type(f, name, set, type == H5T_NATIVE_INT);
+  if (s == GH_OK && rows && cols && H5Dread(set, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, data) < 0)
+    s = fail(f, GH_INPUT, "read", name);
+  H5Dclose(set);
+  return s;
+}
+
+gh_status gh_h5_size(gh_h5 *f, const char *name, size_t *rows, size_t *cols) {
+  printing p = printing_off();
+  hid_t set;
+  gh_status s = open_dataset(f, name, &set);
+  if (s == GH_OK) {
+    s = get_size(f, name, set, rows, cols);
+    H5Dclose(set);
+  }
+  printing_on(p);
+  return s;
+}
+
+gh_status gh_h5_get_doubles(gh_h5 *f, const char *name, size_t rows, size_t cols, double *data) {
+  printing p = printing_off();
+  gh_status s = get(f, name, H5T_NATIVE_DOUBLE, rows, cols, data);
+  printing_on(p);
+  return s;
+}
+
+gh_status gh_h5_get_ints(gh_h5 *f, const char *name, size_t rows, size_t cols, int *data) {
+  printing p = printing_off();
+  gh_status s = get(f, name, H5T_NATIVE_INT, rows, cols, data);
+  printing_on(p);
+  return s;
+}

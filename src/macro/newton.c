@@ -1,0 +1,237 @@
+/* Newton's iteration with line search for one part of an increment. SPDX-License-Identifier: GPL-2.0-or-later
+ *
+ * The first correction is a linear prediction with the last tangent that carries the prescribed displacements
+ * along: K_ff du_f = -(R_f + K_fp du_p). Imposing them on the old field instead would strain one row of
+ * elements alone, which a packing answers by rearranging. The residual of iteration 0 is this right-hand
+ * side: the out-of-balance forces of the increment, linearised at the last equilibrium; no packing is asked
+ * for it.
+ *
+ * Every trial starts from the farm's converged state. m->now is the iterate and the farm's trial state
+ * belongs to it. */
+#include "macro/internal.h"
+
+#include <float.h>
+#include <string.h>
+
+/* A step is long enough when it takes this share of the decrease that the tangent promises ... */
+static const double decrease = 0.1;
+/* ... or when the work of the residual along the direction falls below this share of the first, as long as
+ * the residual does not grow by more than `growth`: a step that is right in the soft directions may be wrong
+ * in the stiff ones. */
+static const double slope = 0.5, growth = 2;
+enum { TRIALS = 7, WEAK_STEPS = 3 };
+
+void gh_outer_forces(const gh_macro *m, const gh_loads *to, double t, bool fade, const double *u, double *f) {
+  for (int d = 0; d < m->ndof; d++)
+    f[d] = m->f0[d] + (1 - t) * (m->force[d] + (fade ? m->fade[d] : 0)) + t * to->force[d];
+  const gh_edge_loads *lists[2] = {&m->follow, &to->follow};
+  const double share[2] = {1 - t, t};
+  for (int l = 0; l < 2; l++)
+    for (int k = 0; k < lists[l]->n; k++) {
+      const gh_edge_load *edge = lists[l]->edge + k;
+      double x[2][2], force[2];
+      int node[2] = {edge->a, edge->b};
+      for (int c = 0; c < 2; c++)
+        for (int i = 0; i < 2; i++) x[c][i] = m->mesh->X[2 * node[c] + i] + u[2 * node[c] + i];
+      gh_edge_force(x[0], x[1], share[l] * edge->pressure, force);
+      for (int c = 0; c < 2; c++)
+        for (int i = 0; i < 2; i++) f[2 * node[c] + i] += force[i];
+    }
+}
+
+static void assemble(gh_macro *m, const gh_attempt *a) {
+  gh_system_clear(m->system);
+  for (int e = 0; e < m->mesh->nelements; e++) {
+    double K[8][8];
+    int dof[8];
+    for (int k = 0; k < 8; k++) dof[k] = 2 * m->mesh->quad[e][k / 2] + k % 2;
+    gh_element_stiffness(&m->shapes, e, m->now.A + 64 * e, K);
+    gh_system_add(m->system, 8, dof, K[0]);
+  }
+  const gh_edge_loads *lists[2] = {&m->follow, &a->to->follow};
+  const double share[2] = {1 - a->t, a->t};
+  for (int l = 0; l < 2; l++)
+    for (int k = 0; k < lists[l]->n; k++) {
+      const gh_edge_load *edge = lists[l]->edge + k;
+      int dof[4] = {2 * edge->a, 2 * edge->a + 1, 2 * edge->b, 2 * edge->b + 1};
+      double K[4][4];
+      gh_edge_stiffness(share[l] * edge->pressure, K);
+      gh_system_add(m->system, 4, dof, K[0]);
+    }
+}
+
+/* R = f_int - f_ext at state s, plus K times the prescribed part of du where a prediction is asked for. */
+static void find_residual(gh_macro *m, const gh_attempt *a, const gh_state *s, const double *predict,
+                          double *R) {
+  gh_outer_forces(m, a->to, a->t, true, s->u, m->fext);
+  for (int d = 0; d < m->ndof; d++) R[d] = s->fint[d] - m->fext[d];
+  if (predict) gh_system_multiply(m->system, predict, R);
+}
+
+/* |R_free| and |f_ext| + |R_prescribed|. */
+static void measure(const gh_macro *m, const gh_attempt *a, const double *R, double *residual,
+                    double *scale) {
+  double norm[2] = {0, 0}, outer = 0;
+  for (int d = 0; d < m->ndof; d++) {
+    norm[a->to->fixed[d]] += R[d] * R[d];
+    outer += m->fext[d] * m->fext[d];
+  }
+  *residual = sqrt(norm[0]);
+  *scale = sqrt(outer) + sqrt(norm[1]);
+}
+
+/* The residual that counts as zero. Round-off of F is DBL_EPSILON, which the tangent turns into forces:
+ * without this floor a body that is unloaded to no force at all would never converge. The stiffness is that
+ * of the last assembly. */
+static double limit(const gh_macro *m, double scale) {
+  return fmax(m->options.tolerance * scale, DBL_EPSILON * m->length * gh_system_diagonal(m->system));
+}
+
+static double along(const gh_macro *m, const gh_attempt *a, const double *R) {
+  double sum = 0;
+  for (int d = 0; d < m->ndof; d++)
+    if (!a->to->fixed[d]) sum += m->du[d] * R[d];
+  return sum;
+}
+
+/* One trial of length s: m->next, its residual and the residual's work. */
+static gh_status try_step(gh_macro *m, gh_attempt *a, double s, double *residual, double *scale,
+                          double *work) {
+  for (int d = 0; d < m->ndof; d++) m->next.u[d] = m->now.u[d] + s * m->du[d];
+  GH_TRY(gh_macro_evaluate(m, &m->next));
+  find_residual(m, a, &m->next, NULL, m->trial);
+  measure(m, a, m->trial, residual, scale);
+  *work = along(m, a, m->trial);
+  return GH_OK;
+}
+
+static void accept(gh_macro *m, gh_attempt *a, double residual, double scale) {
+  gh_state_swap(&m->now, &m->next);
+  double *swap = m->residual;
+  m->residual = m->trial;
+  m->trial = swap;
+  a->residual = residual;
+  a->scale = scale;
+}
+
+static bool fatal(gh_status s) {
+  return s != GH_OK && s != GH_DIVERGED && s != GH_INPUT;
+}
+
+/* The next length to try: the zero of the work by a secant, within bounds; half after a failed evaluation. */
+static double shorten(double s, double work0, double work) {
+  double zero = work0 < 0 && work > 0 ? s * work0 / (work0 - work) : 0.5 * s;
+  return fmin(0.5 * s, fmax(0.2 * s, zero));
+}
+
+/* Backtracks until a step is long enough; else takes the best that lowers the residual at all and counts it
+ * as weak; else the iteration has stalled. */
+static gh_status search(gh_macro *m, gh_attempt *a, double *step, int *weak) {
+  double first = a->residual, work0 = along(m, a, m->residual), best = 0, best_residual = first * (1 - 1e-6),
+         tried = 0;
+  gh_status failure = GH_OK;
+  *step = 1;
+  gh_jump_forget(&m->jump);
+  for (int k = 0; k < TRIALS; k++) {
+    double residual, scale, work = NAN;
+    tried = *step;
+    gh_status status = try_step(m, a, tried, &residual, &scale, &work);
+    if (fatal(status)) return status;
+    if (status != GH_OK) {
+      failure = status;
+      *step *= 0.5;
+      continue;
+    }
+    if (residual <= (1 - decrease * tried) * first || residual <= limit(m, scale) ||
+        (fabs(work) <= slope * fabs(work0) && residual <= growth * first)) {
+      accept(m, a, residual, scale);
+      return GH_OK;
+    }
+    if (residual < best_residual) {
+      best = tried;
+      best_residual = residual;
+    }
+    gh_jump_offer(m, residual);
+    *step = shorten(tried, work0, work);
+  }
+  if (best > 0 && ++*weak <= WEAK_STEPS) {
+    double residual, scale, work;
+    *step = best;
+    GH_TRY(try_step(m, a, best, &residual, &scale, &work));
+    accept(m, a, residual, scale);
+    return GH_OK;
+  }
+  if (failure != GH_OK && !isfinite(m->jump.residual)) return GH_DIVERGED; /* its message says why */
+  return gh_fail(m->ctx, GH_DIVERGED,
+                 "the residual does not fall along Newton's direction down to a step of %.2g", tried);
+}
+
+static gh_status full_step(gh_macro *m, gh_attempt *a) {
+  double residual, scale, work;
+  gh_jump_forget(&m->jump);
+  gh_status status = try_step(m, a, 1, &residual, &scale, &work);
+  if (status != GH_OK) return fatal(status) ? status : GH_DIVERGED;
+  accept(m, a, residual, scale);
+  return GH_OK;
+}
+
+/* The prescribed part of du; true when there is any. */
+static bool prescribe(gh_macro *m, const gh_attempt *a) {
+  bool any = false;
+  for (int d = 0; d < m->ndof; d++) {
+    m->du[d] = 0;
+    if (!a->to->fixed[d]) continue;
+    double target = a->t < 1 ? m->from[d] + a->t * (a->to->value[d] - m->from[d]) : a->to->value[d];
+    m->du[d] = target - m->now.u[d];
+    any = any || m->du[d] != 0;
+  }
+  return any;
+}
+
+static void report(const gh_macro *m, const gh_attempt *a, int iteration, double first, double step) {
+  if (!m->watch) return;
+  gh_macro_iteration it = {.substep = a->substep,
+                           .iteration = iteration,
+                           .residual = a->residual,
+                           .scale = a->scale,
+                           .relative = a->residual > 0 ? a->residual / a->scale : 0,
+                           .first = first > 0 ? a->residual / first : 0,
+                           .step = step,
+                           .seconds = gh_seconds() - m->begin};
+  m->watch(m->watch_data, &it);
+}
+
+static gh_status direction(gh_macro *m) {
+  for (int d = 0; d < m->ndof; d++) m->trial[d] = -m->residual[d];
+  gh_status status = gh_system_solve(m->system, m->trial, m->du);
+  if (status != GH_DIVERGED) return status;
+  char text[256] = "";
+  gh_name_unjammed(m, text, sizeof text);
+  return gh_fail(m->ctx, status, "%s%s%s", gh_message(m->ctx), *text ? ": " : "", text);
+}
+
+gh_status gh_newton(gh_macro *m, gh_attempt *a) {
+  int weak = 0;
+  gh_jump_forget(&m->jump);
+  gh_state_copy(m, &m->eq, &m->now);
+  assemble(m, a);
+  bool moved = prescribe(m, a);
+  find_residual(m, a, &m->now, moved ? m->du : NULL, m->residual);
+  measure(m, a, m->residual, &a->residual, &a->scale);
+  double first = a->residual, step = 1;
+  report(m, a, 0, first, step);
+  for (int k = 0; moved || a->residual > limit(m, a->scale); k++) {
+    if (k == m->options.max_iterations)
+      return gh_fail(m->ctx, GH_DIVERGED, "not converged after %d iterations", m->options.max_iterations);
+    if (k > 0) {
+      assemble(m, a);
+      memset(m->du, 0, (size_t)m->ndof * sizeof *m->du);
+    }
+    GH_TRY(direction(m));
+    GH_TRY(moved || !m->options.line_search ? full_step(m, a) : search(m, a, &step, &weak));
+    moved = false;
+    a->iterations++;
+    report(m, a, k + 1, first, step);
+  }
+  return GH_OK;
+}

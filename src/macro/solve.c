@@ -1,0 +1,281 @@
+/* The sparse system of the free degrees of freedom: CHOLMOD while it is symmetric and positive definite,
+ * UMFPACK otherwise. SPDX-License-Identifier: GPL-2.0-or-later */
+#include "macro/internal.h"
+
+#include <cholmod.h>
+#include <stdlib.h>
+#include <string.h>
+#include <umfpack.h>
+
+/* A matrix counts as symmetric up to this, relative to its largest entry: relaxed packings give tangents that
+ * are symmetric to their residual, and what is dropped only slows Newton's iteration by that factor. */
+static const double asymmetry = 1e-9;
+/* Estimated reciprocal condition numbers below this are singular to round-off. */
+static const double singular = 1e-15;
+
+struct gh_system {
+  gh_context *ctx;
+  int ndof, nfree;
+  int *start, *row; /* compressed columns of the whole matrix, rows ascending */
+  int *mirror;      /* where the transposed entry is */
+  double *value;
+  unsigned char *fixed;
+  bool constrained;
+  int *free_start, *free_row, *source; /* the same of the free part; source: its entries in `value` */
+  int *dof;                            /* of a free column */
+  double *free_value, *b, *x;
+  cholmod_common common;
+  cholmod_factor *factor;
+  void *symbolic; /* of UMFPACK */
+  char method;
+};
+
+static int by_value(const void *p, const void *q) {
+  return *(const int *)p - *(const int *)q;
+}
+
+/* Neighbours of each node (itself among them), ascending: CSR in first, list. */
+static gh_status node_graph(gh_context *ctx, const gh_mesh *mesh, int **first, int **list) {
+  GH_TRY(gh_alloc(ctx, (size_t)mesh->nnodes + 1, sizeof **first, first));
+  int *f = *first;
+  for (int e = 0; e < mesh->nelements; e++)
+    for (int a = 0; a < 4; a++) f[mesh->quad[e][a] + 1] += 4;
+  for (int a = 0; a < mesh->nnodes; a++) f[a + 1] += f[a];
+  GH_TRY(gh_alloc(ctx, (size_t)f[mesh->nnodes], sizeof **list, list));
+  for (int e = 0; e < mesh->nelements; e++)
+    for (int a = 0; a < 4; a++)
+      for (int b = 0; b < 4; b++) (*list)[f[mesh->quad[e][a]]++] = mesh->quad[e][b];
+  int begin = 0, kept = 0; /* f[a] is now the end of a's run */
+  for (int a = 0; a < mesh->nnodes; a++) {
+    int end = f[a], run = kept;
+    qsort(*list + begin, (size_t)(end - begin), sizeof **list, by_value);
+    for (int k = begin; k < end; k++)
+      if (kept == run || (*list)[k] != (*list)[kept - 1]) (*list)[kept++] = (*list)[k];
+    f[a] = run;
+    begin = end;
+  }
+  f[mesh->nnodes] = kept;
+  return GH_OK;
+}
+
+static int find_entry(const gh_system *s, int row, int col) {
+  int low = s->start[col], high = s->start[col + 1] - 1;
+  while (low < high) {
+    int middle = (low + high) / 2;
+    if (s->row[middle] < row) low = middle + 1;
+    else high = middle;
+  }
+  return low;
+}
+
+static gh_status make_pattern(gh_system *s, const gh_mesh *mesh) {
+  int *first = NULL, *list = NULL;
+  gh_status status;
+  GH_TRY_OR(node_graph(s->ctx, mesh, &first, &list), done);
+  size_t entries = 4 * (size_t)first[mesh->nnodes];
+  GH_TRY_OR(gh_alloc(s->ctx, (size_t)s->ndof + 1, sizeof *s->start, &s->start), done);
+  GH_TRY_OR(gh_alloc(s->ctx, entries, sizeof *s->row, &s->row), done);
+  GH_TRY_OR(gh_alloc(s->ctx, entries, sizeof *s->mirror, &s->mirror), done);
+  GH_TRY_OR(gh_alloc(s->ctx, entries, sizeof *s->value, &s->value), done);
+  int n = 0;
+  for (int col = 0; col < s->ndof; col++) {
+    s->start[col] = n;
+    for (int k = first[col / 2]; k < first[col / 2 + 1]; k++)
+      for (int i = 0; i < 2; i++) s->row[n++] = 2 * list[k] + i;
+  }
+  s->start[s->ndof] = n;
+  for (int col = 0; col < s->ndof; col++)
+    for (int k = s->start[col]; k < s->start[col + 1]; k++) s->mirror[k] = find_entry(s, col, s->row[k]);
+done:
+  free(first);
+  free(list);
+  return status;
+}
+
+gh_status gh_system_create(gh_context *ctx, const gh_mesh *mesh, gh_system **system) {
+  GH_TRY(gh_alloc(ctx, 1, sizeof **system, system));
+  gh_system *s = *system;
+  s->ctx = ctx;
+  s->ndof = 2 * mesh->nnodes;
+  cholmod_start(&s->common);
+  s->common.print = 0;
+  s->common.final_ll = 1; /* an LDL' of an indefinite matrix would pass unnoticed */
+  gh_status status;
+  GH_TRY_OR(make_pattern(s, mesh), failed);
+  size_t n = (size_t)s->ndof, entries = (size_t)s->start[s->ndof];
+  GH_TRY_OR(gh_alloc(ctx, n, sizeof *s->fixed, &s->fixed), failed);
+  GH_TRY_OR(gh_alloc(ctx, n + 1, sizeof *s->free_start, &s->free_start), failed);
+  GH_TRY_OR(gh_alloc(ctx, entries, sizeof *s->free_row, &s->free_row), failed);
+  GH_TRY_OR(gh_alloc(ctx, entries, sizeof *s->source, &s->source), failed);
+  GH_TRY_OR(gh_alloc(ctx, entries, sizeof *s->free_value, &s->free_value), failed);
+  GH_TRY_OR(gh_alloc(ctx, n, sizeof *s->dof, &s->dof), failed);
+  GH_TRY_OR(gh_alloc(ctx, n, sizeof *s->b, &s->b), failed);
+  GH_TRY_OR(gh_alloc(ctx, n, sizeof *s->x, &s->x), failed);
+  return GH_OK;
+failed:
+  gh_system_destroy(system);
+  return status;
+}
+
+static void forget_analysis(gh_system *s) {
+  if (s->factor) cholmod_free_factor(&s->factor, &s->common);
+  if (s->symbolic) umfpack_di_free_symbolic(&s->symbolic);
+}
+
+void gh_system_destroy(gh_system **system) {
+  if (!system || !*system) return;
+  gh_system *s = *system;
+  forget_analysis(s);
+  cholmod_finish(&s->common);
+  free(s->start);
+  free(s->row);
+  free(s->mirror);
+  free(s->value);
+  free(s->fixed);
+  free(s->free_start);
+  free(s->free_row);
+  free(s->source);
+  free(s->dof);
+  free(s->free_value);
+  free(s->b);
+  free(s->x);
+  free(s);
+  *system = NULL;
+}
+
+gh_status gh_system_constrain(gh_system *s, const unsigned char *fixed) {
+  if (s->constrained && memcmp(s->fixed, fixed, (size_t)s->ndof) == 0) return GH_OK;
+  int *place = NULL, n = 0;
+  GH_TRY(gh_alloc(s->ctx, (size_t)s->ndof, sizeof *place, &place));
+  forget_analysis(s);
+  memcpy(s->fixed, fixed, (size_t)s->ndof);
+  s->nfree = 0;
+  for (int d = 0; d < s->ndof; d++) {
+    place[d] = s->nfree;
+    if (!fixed[d]) s->dof[s->nfree++] = d;
+  }
+  for (int c = 0; c < s->nfree; c++) {
+    s->free_start[c] = n;
+    for (int k = s->start[s->dof[c]]; k < s->start[s->dof[c] + 1]; k++) {
+      if (fixed[s->row[k]]) continue;
+      s->free_row[n] = place[s->row[k]];
+      s->source[n++] = k;
+    }
+  }
+  s->free_start[s->nfree] = n;
+  s->constrained = true;
+  free(place);
+  return GH_OK;
+}
+
+void gh_system_clear(gh_system *s) {
+  memset(s->value, 0, (size_t)s->start[s->ndof] * sizeof *s->value);
+}
+
+void gh_system_add(gh_system *s, int n, const int *dof, const double *K) {
+  for (int c = 0; c < n; c++)
+    for (int r = 0; r < n; r++) s->value[find_entry(s, dof[r], dof[c])] += K[r * n + c];
+}
+
+void gh_system_multiply(const gh_system *s, const double *x, double *y) {
+  for (int c = 0; c < s->ndof; c++)
+    for (int k = s->start[c]; k < s->start[c + 1]; k++) y[s->row[k]] += s->value[k] * x[c];
+}
+
+double gh_system_diagonal(const gh_system *s) {
+  double sum = 0;
+  for (int d = 0; d < s->ndof; d++) {
+    double entry = s->value[find_entry(s, d, d)];
+    sum += entry * entry;
+  }
+  return sqrt(sum);
+}
+
+char gh_system_method(const gh_system *s) {
+  return s->method;
+}
+
+static bool is_symmetric(const gh_system *s) {
+  double largest = 0, difference = 0;
+  for (int k = 0; k < s->free_start[s->nfree]; k++) {
+    double v = s->value[s->source[k]];
+    largest = fmax(largest, fabs(v));
+    difference = fmax(difference, fabs(v - s->value[s->mirror[s->source[k]]]));
+  }
+  return difference <= asymmetry * largest;
+}
+
+/* GH_DIVERGED without a message: not positive definite. */
+static gh_status solve_cholmod(gh_system *s) {
+  size_t n = (size_t)s->nfree;
+  cholmod_common *common = &s->common;
+  cholmod_sparse K = {.nrow = n,
+                      .ncol = n,
+                      .nzmax = (size_t)s->free_start[n],
+                      .p = s->free_start,
+                      .i = s->free_row,
+                      .x = s->free_value,
+                      .stype = 1,
+                      .itype = CHOLMOD_INT,
+                      .xtype = CHOLMOD_REAL,
+                      .dtype = CHOLMOD_DOUBLE,
+                      .sorted = 1,
+                      .packed = 1};
+  cholmod_dense b = {
+      .nrow = n, .ncol = 1, .nzmax = n, .d = n, .x = s->b, .xtype = CHOLMOD_REAL, .dtype = CHOLMOD_DOUBLE};
+  if (!s->factor) s->factor = cholmod_analyze(&K, common);
+  if (!s->factor) return gh_fail(s->ctx, GH_MEMORY, "no memory to analyse %zu equations", n);
+  cholmod_factorize(&K, s->factor, common);
+  if (common->status == CHOLMOD_OUT_OF_MEMORY)
+    return gh_fail(s->ctx, GH_MEMORY, "no memory to factorise %zu equations", n);
+  if (common->status != CHOLMOD_OK || s->factor->minor < n || !(cholmod_rcond(s->factor, common) > singular))
+    return GH_DIVERGED;
+  cholmod_dense *x = cholmod_solve(CHOLMOD_A, s->factor, &b, common);
+  if (!x) return gh_fail(s->ctx, GH_MEMORY, "no memory to solve %zu equations", n);
+  memcpy(s->x, x->x, n * sizeof *s->x);
+  cholmod_free_dense(&x, common);
+  return GH_OK;
+}
+
+static gh_status umfpack_failure(gh_system *s, int code) {
+  if (code == UMFPACK_ERROR_out_of_memory)
+    return gh_fail(s->ctx, GH_MEMORY, "no memory for %d equations", s->nfree);
+  if (code == UMFPACK_WARNING_singular_matrix)
+    return gh_fail(s->ctx, GH_DIVERGED, "the stiffness matrix is singular");
+  return gh_fail(s->ctx, GH_INTERNAL, "UMFPACK reports error %d", code);
+}
+
+static gh_status solve_umfpack(gh_system *s) {
+  double info[UMFPACK_INFO];
+  void *numeric = NULL;
+  const int *p = s->free_start, *i = s->free_row;
+  int code = s->symbolic
+                 ? UMFPACK_OK
+                 : umfpack_di_symbolic(s->nfree, s->nfree, p, i, s->free_value, &s->symbolic, NULL, info);
+  if (code == UMFPACK_OK) code = umfpack_di_numeric(p, i, s->free_value, s->symbolic, &numeric, NULL, info);
+  if (code == UMFPACK_OK && !(info[UMFPACK_RCOND] > singular)) code = UMFPACK_WARNING_singular_matrix;
+  if (code == UMFPACK_OK)
+    code = umfpack_di_solve(UMFPACK_A, p, i, s->free_value, s->x, s->b, numeric, NULL, info);
+  if (numeric) umfpack_di_free_numeric(&numeric);
+  return code == UMFPACK_OK ? GH_OK : umfpack_failure(s, code);
+}
+
+gh_status gh_system_solve(gh_system *s, const double *b, double *x) {
+  if (s->nfree == 0) return GH_OK;
+  for (int k = 0; k < s->free_start[s->nfree]; k++) s->free_value[k] = s->value[s->source[k]];
+  for (int c = 0; c < s->nfree; c++) s->b[c] = b[s->dof[c]];
+  gh_status status = GH_DIVERGED;
+  if (is_symmetric(s)) {
+    s->method = 'c';
+    status = solve_cholmod(s);
+  }
+  if (status == GH_DIVERGED) {
+    s->method = 'u';
+    status = solve_umfpack(s);
+  }
+  GH_TRY(status);
+  if (!gh_finite(s->x, (size_t)s->nfree))
+    return gh_fail(s->ctx, GH_DIVERGED, "the stiffness matrix is singular");
+  for (int c = 0; c < s->nfree; c++) x[s->dof[c]] = s->x[c];
+  return GH_OK;
+}

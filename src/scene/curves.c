@@ -1,0 +1,253 @@
+/* Curves of a run, drawn by gnuplot as a child process. SPDX-License-Identifier: GPL-2.0-or-later */
+#include "scene/internal.h"
+
+#include <errno.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+/* ---- gnuplot ---- */
+
+/* Text between single quotes of gnuplot. */
+static void quote(FILE *out, const char *text) {
+  fputc('\'', out);
+  for (; *text; text++) fputs(*text == '\'' ? "''" : (char[2]){*text, 0}, out);
+  fputc('\'', out);
+}
+
+/* Runs gnuplot on the script, which writes `tmp`; then puts that into place. */
+static gh_status draw(gh_context *ctx, const char *script, const char *tmp, const char *png) {
+  int code = system("command -v gnuplot >/dev/null 2>&1");
+  if (code != 0)
+    return gh_fail(ctx, GH_SYSTEM, "%s: gnuplot is not installed (Debian: apt-get install gnuplot-nox)", png);
+  FILE *gnuplot = popen("gnuplot", "w");
+  if (!gnuplot) return gh_fail(ctx, GH_SYSTEM, "%s: gnuplot cannot be started: %s", png, strerror(errno));
+  fputs(script, gnuplot);
+  code = pclose(gnuplot);
+  if (code == -1 || !WIFEXITED(code) || WEXITSTATUS(code) != 0) {
+    unlink(tmp);
+    return gh_fail(ctx, GH_SYSTEM, "%s: gnuplot failed (status %d)", png,
+                   code == -1 ? -1 : WEXITSTATUS(code));
+  }
+  return gh_file_replace(ctx, tmp, png);
+}
+
+/* A script in memory with the picture's header; *tmp is the file that it draws into. */
+static gh_status script_begin(gh_context *ctx, const char *png, int width, int height, FILE **out,
+                              char **script, size_t *length, char **tmp) {
+  size_t size = strlen(png) + 5;
+  *out = NULL, *script = NULL;
+  GH_TRY(gh_alloc(ctx, size, 1, tmp));
+  snprintf(*tmp, size, "%s.tmp", png);
+  *out = open_memstream(script, length);
+  if (!*out) return gh_fail(ctx, GH_MEMORY, "no memory for a script of gnuplot");
+  fprintf(*out,
+          "set terminal pngcairo size %d,%d enhanced font 'sans,13' linewidth 1.6\nset encoding utf8\nset "
+          "output ",
+          width, height);
+  quote(*out, *tmp);
+  fprintf(*out, "\nset grid lc rgb '#dddddd' lw 0.6\nset border 3\nset tics nomirror\nset key noenhanced\n");
+  return GH_OK;
+}
+
+static gh_status script_end(gh_context *ctx, FILE *out, char *script, char *tmp, const char *png,
+                            gh_status status) {
+  bool bad = out && fclose(out) != 0;
+  if (status == GH_OK && bad) status = gh_fail(ctx, GH_MEMORY, "no memory for a script of gnuplot");
+  if (status == GH_OK) status = draw(ctx, script, tmp, png);
+  free(script);
+  free(tmp);
+  return status;
+}
+
+/* ---- history.csv: names of steps make it no table of numbers, so it has its own small reader ---- */
+
+typedef struct history {
+  char **line; /* rows as they are */
+  char *header;
+  int nrows;
+} history;
+
+static void history_free(history *h) {
+  for (int k = 0; k < h->nrows; k++) free(h->line[k]);
+  free(h->line);
+  free(h->header);
+}
+
+static gh_status history_read(gh_context *ctx, const char *folder, history *h) {
+  char *path = gh_path_join(folder, "history.csv"), *line = NULL;
+  size_t size = 0, capacity = 0;
+  gh_status status = GH_OK;
+  *h = (history){0};
+  FILE *file = path ? fopen(path, "r") : NULL;
+  if (!file) status = gh_fail(ctx, path ? GH_INPUT : GH_MEMORY, "%s/history.csv: cannot be opened", folder);
+  while (status == GH_OK && getline(&line, &size, file) > 0) {
+    line[strcspn(line, "\r\n")] = 0;
+    if (h->header) status = gh_grow(ctx, (size_t)h->nrows + 1, sizeof *h->line, &capacity, &h->line);
+    char *copy = strdup(line);
+    if (status == GH_OK && !copy) status = gh_fail(ctx, GH_MEMORY, "no memory for a line");
+    if (status != GH_OK) free(copy);
+    else if (h->header) h->line[h->nrows++] = copy;
+    else h->header = copy;
+  }
+  if (status == GH_OK && h->nrows == 0) status = gh_fail(ctx, GH_INPUT, "%s: holds no increment", path);
+  free(line);
+  if (file) fclose(file);
+  free(path);
+  return status;
+}
+
+static int column(const char *header, const char *name) {
+  size_t length = strlen(name);
+  for (int k = 0;; k++) {
+    if (strncmp(header, name, length) == 0 && (header[length] == ',' || header[length] == 0)) return k;
+    header = strchr(header, ',');
+    if (!header) return -1;
+    header++;
+  }
+}
+
+static double field(const char *line, int column_index) {
+  for (int k = 0; k < column_index && line; k++) {
+    line = strchr(line, ',');
+    if (line) line++;
+  }
+  return line && column_index >= 0 ? strtod(line, NULL) : NAN;
+}
+
+/* ---- curves.png ---- */
+
+/* Which columns are drawn, and from which row on. */
+typedef struct choice {
+  int x, force, dilatancy, first;
+  bool driven;
+  char x_label[160], force_label[160];
+} choice;
+
+static gh_status choose(gh_context *ctx, const history *h, const scene_labels *l, choice *c) {
+  char name[128], unit[80] = "", force_unit[80] = "";
+  if (*l->length) snprintf(unit, sizeof unit, " (%s)", l->length);
+  if (*l->force) snprintf(force_unit, sizeof force_unit, " (%s)", l->force);
+  snprintf(name, sizeof name, "u%c_%s", l->driven_direction, l->driven_set);
+  c->x = *l->driven_set ? column(h->header, name) : -1;
+  c->driven = c->x >= 0;
+  if (c->driven) {
+    snprintf(c->x_label, sizeof c->x_label, "displacement of %s in %c%s", l->driven_set, l->driven_direction,
+             unit);
+    snprintf(name, sizeof name, "%s_%c", l->driven_set, l->driven_direction);
+  } else {
+    c->x = column(h->header, "time");
+    snprintf(c->x_label, sizeof c->x_label, "load steps");
+    snprintf(name, sizeof name, "bottom_y");
+  }
+  c->force = column(h->header, name);
+  snprintf(c->force_label, sizeof c->force_label, "support force on %.*s in %c%s", (int)strlen(name) - 2,
+           name, name[strlen(name) - 1], force_unit);
+  c->dilatancy = column(h->header, "dilatancy");
+  if (c->x < 0 || c->dilatancy < 0)
+    return gh_fail(ctx, GH_INPUT, "history.csv lacks the columns to draw (time, dilatancy)");
+  /* the row before the driven set first moves */
+  for (int k = 1; c->driven && k < h->nrows; k++) {
+    double now = field(h->line[k], c->x), before = field(h->line[k - 1], c->x);
+    if (isfinite(now) && isfinite(before) && now != before) break;
+    c->first = k < h->nrows - 1 ? k : 0;
+  }
+  return GH_OK;
+}
+
+/* The data; axes point to growing load, so a displacement that becomes negative is drawn by its size. */
+static void write_data(FILE *out, const history *h, const choice *c) {
+  double last = field(h->line[h->nrows - 1], c->x), sign = c->driven && last < 0 ? -1 : 1;
+  fprintf(out, "$data << EOD\n");
+  for (int k = c->first; k < h->nrows; k++)
+    fprintf(out, "%.17g %.17g %.17g\n", sign * field(h->line[k], c->x), fabs(field(h->line[k], c->force)),
+            field(h->line[k], c->dilatancy));
+  fprintf(out, "EOD\n");
+}
+
+static void write_curves(FILE *out, const history *h, const choice *c, const scene_labels *l) {
+  bool two = c->force >= 0;
+  write_data(out, h, c);
+  fprintf(out, "set multiplot layout %d,1 title ", two ? 2 : 1);
+  quote(out, l->title);
+  fprintf(out, " noenhanced\nset lmargin 12\nset rmargin 3\nunset key\nset xlabel ");
+  quote(out, c->x_label);
+  fprintf(out, " noenhanced\n");
+  if (two) {
+    fprintf(out, "set ylabel ");
+    quote(out, c->force_label);
+    fprintf(out, " noenhanced\nplot $data using 1:2 with linespoints lc rgb '#31688e' pt 7 ps 0.6\n");
+  }
+  fprintf(out, "set ylabel 'dilatancy, 100 (v/V - 1) (%%)' noenhanced\nplot $data using 1:3 with linespoints "
+               "lc rgb '#35b779' pt 7 ps 0.6\nunset multiplot\n");
+}
+
+gh_status gh_picture_curves(gh_context *ctx, const char *folder, const char *png) {
+  history h;
+  scene_labels l;
+  choice c = {0};
+  FILE *out = NULL;
+  char *script = NULL, *tmp = NULL;
+  size_t length;
+  GH_TRY(scene_labels_read(ctx, folder, &l));
+  gh_status status = history_read(ctx, folder, &h);
+  if (status == GH_OK) status = choose(ctx, &h, &l, &c);
+  if (status == GH_OK) status = script_begin(ctx, png, 800, 900, &out, &script, &length, &tmp);
+  if (status == GH_OK) write_curves(out, &h, &c, &l);
+  status = script_end(ctx, out, script, tmp, png, status);
+  history_free(&h);
+  return status;
+}
+
+/* ---- convergence.png ---- */
+
+enum { MOST_CURVES = 6 };
+
+/* One curve per increment: residual over residual of its first iteration; substeps that follow a cut or a
+ * jump go on in the same curve. */
+static void write_residuals(FILE *out, const gh_csv *csv, const scene_labels *l) {
+  int step = gh_csv_find(csv, "step"), relative = gh_csv_find(csv, "relative");
+  int last = (int)csv->value[(csv->nrows - 1) * csv->ncols + step], first = last - MOST_CURVES + 1;
+  if (first < 0) first = 0;
+  for (int s = first; s <= last; s++) {
+    fprintf(out, "$step%d << EOD\n", s);
+    int at = 0;
+    for (int k = 0; k < csv->nrows; k++) {
+      const double *row = csv->value + (size_t)k * (size_t)csv->ncols;
+      if ((int)row[step] == s && row[relative] > 0) fprintf(out, "%d %.17g\n", at++, row[relative]);
+    }
+    fprintf(out, "EOD\n");
+  }
+  fprintf(out, "set title ");
+  quote(out, l->title);
+  fprintf(out,
+          " noenhanced\nset logscale y\nset format y '10^{%%T}'\nset xtics 1\nset xlabel 'iteration'\nset "
+          "ylabel 'relative residual'\nset key right top\n"
+          "set palette defined (0 '#440154', 1 '#3b528b', 2 '#21918c', 3 '#5ec962', 4 '#d0c11d')\nset "
+          "cbrange [0:%d]\nunset colorbox\nplot ",
+          last > first ? last - first : 1);
+  for (int s = first; s <= last; s++)
+    fprintf(out, "%s$step%d using 1:2 with linespoints lc palette cb %d pt 7 ps 0.8 title 'increment %d'",
+            s > first ? ", " : "", s, s - first, s);
+  fprintf(out, "\n");
+}
+
+gh_status gh_picture_convergence(gh_context *ctx, const char *folder, const char *png) {
+  gh_csv *csv = NULL;
+  scene_labels l;
+  FILE *out = NULL;
+  char *script = NULL, *tmp = NULL, *path = gh_path_join(folder, "convergence.csv");
+  size_t length;
+  gh_status status = path ? gh_csv_read(ctx, path, &csv) : gh_fail(ctx, GH_MEMORY, "no memory for a path");
+  if (status == GH_OK &&
+      (csv->nrows == 0 || gh_csv_find(csv, "step") < 0 || gh_csv_find(csv, "relative") < 0))
+    status = gh_fail(ctx, GH_INPUT, "%s: holds no residuals", path);
+  if (status == GH_OK) status = scene_labels_read(ctx, folder, &l);
+  if (status == GH_OK) status = script_begin(ctx, png, 800, 560, &out, &script, &length, &tmp);
+  if (status == GH_OK) write_residuals(out, csv, &l);
+  status = script_end(ctx, out, script, tmp, png, status);
+  gh_csv_destroy(&csv);
+  free(path);
+  return status;
+}

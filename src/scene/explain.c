@@ -1,0 +1,82 @@
+/* Scenes and runs in words. SPDX-License-Identifier: GPL-2.0-or-later */
+#include "scene/internal.h"
+
+static void explain_micro(const gh_scene *s, gh_text *out) {
+  static const char *const meaning[] = {
+      [GH_TAYLOR] = "every grain follows F: no relaxation, the tangent is a sum over contacts",
+      [GH_TAYLOR_CELL] =
+          "every grain of the periodic cell follows F: no relaxation, the tangent is a sum over contacts",
+      [GH_RESTRICTED] = "grains at the boundary follow F, inner grains are relaxed; tangent by condensation "
+                        "of the inner grains",
+      [GH_PERIODIC] = "the cell follows F, all its grains are relaxed; tangent by condensation of all grains "
+                      "onto the cell"};
+  bool relaxes = s->micro.boundary == GH_RESTRICTED || s->micro.boundary == GH_PERIODIC;
+  gh_text_print(out, "material points   %d, each a packing of %d grains (%s)\n", 4 * s->mesh->nelements,
+                s->packing->n, s->packing_path);
+  gh_text_print(out, "boundary          %s: %s\n", gh_boundary_name(s->micro.boundary),
+                meaning[s->micro.boundary]);
+  gh_text_print(out, "engine            %s%s\n", s->micro.engine == GH_ENGINE_NATIVE ? "native" : "lammps",
+                relaxes ? "" : ", for the contacts only");
+  gh_text_print(out, "contact           normal, one-sided harmonic, stiffness %g; frictionless\n",
+                s->micro.law.normal_stiffness);
+  if (relaxes)
+    gh_text_print(out, "relaxation        central differences, then Newton, to a residual of %g\n",
+                  s->micro.tolerance);
+  gh_text_print(
+      out,
+      "left out          grain rotations, tangential forces and the history of contacts (frictionless)%s\n",
+      relaxes ? "" : "; relaxation, factorisation of the grains' stiffness");
+}
+
+static void explain_solver(const gh_scene *s, gh_text *out) {
+  bool follows = s->confinement_follow > 0;
+  for (int k = 0; k < s->nsteps; k++)
+    for (int j = 0; j < s->steps[k].npressures; j++) follows = follows || s->steps[k].pressures[j].follow;
+  gh_text_print(out,
+                "solver            Newton with the consistent tangent, %s line search, tolerance %g, at most "
+                "%d iterations\n",
+                s->solver.line_search ? "with" : "without", s->solver.tolerance, s->solver.max_iterations);
+  gh_text_print(
+      out,
+      "                  an increment that fails is halved up to %d times; jumps of the packings are %s\n",
+      s->solver.cut_steps, s->solver.pass_jumps ? "passed and counted" : "not passed");
+  gh_text_print(out, "linear systems    %d unknowns at most, %s\n", 2 * s->mesh->nnodes,
+                follows ? "unsymmetric: pressure that follows the edge"
+                        : "symmetric (no friction, dead loads)");
+}
+
+static void explain_start(const gh_scene *s, gh_text *out) {
+  if (s->start == SCENE_START_CONFINEMENT)
+    gh_text_print(out, "start             equilibrium under a confinement of %g\n", s->confinement);
+  else if (s->start == SCENE_START_BALANCE)
+    gh_text_print(out, "start             the stress of the packing is held by fixed forces\n");
+  else gh_text_print(out, "start             equilibrium without confinement\n");
+}
+
+void gh_scene_explain(const gh_scene *s, gh_text *out) {
+  if (*s->title) gh_text_print(out, "scene             %s\n", s->title);
+  gh_text_print(out,
+                "mesh              %d bilinear quadrilaterals with 2 x 2 Gauss points, %d nodes, %d sets\n",
+                s->mesh->nelements, s->mesh->nnodes, s->nsets);
+  explain_micro(s, out);
+  explain_solver(s, out);
+  explain_start(s, out);
+  for (int k = 0; k < s->nsteps; k++)
+    gh_text_print(out, "step %-12d %s: %d increments\n", k + 1, s->steps[k].name, s->steps[k].increments);
+}
+
+void gh_summary_print(const gh_run_summary *m, const char *folder, gh_text *out) {
+  double rest = m->cost.total - m->cost.relax - m->cost.contacts - m->cost.factorise;
+  gh_text_print(out,
+                "%d steps, %d increments, %d iterations in %d parts; %d cuts, %d jumps of packings passed\n",
+                m->steps, m->increments, m->iterations, m->substeps, m->cuts, m->jumps);
+  if (isfinite(m->min_acoustic))
+    gh_text_print(out, "%d of %d integration points unjammed; smallest acoustic eigenvalue %.4g%s\n",
+                  m->unjammed, m->points, m->min_acoustic, m->min_acoustic > 0 ? "" : " (ellipticity lost)");
+  gh_text_print(out,
+                "%.1f s, of these %.1f s micro (relaxation %.1f, contacts %.1f, factorisation %.1f, rest "
+                "%.1f), %.1f s results\n",
+                m->seconds, m->micro_seconds, m->cost.relax, m->cost.contacts, m->cost.factorise,
+                fmax(rest, 0), m->results_seconds);
+  gh_text_print(out, "results in %s\n", folder);
+}

@@ -1,0 +1,134 @@
+/* What the files of the scene module share. SPDX-License-Identifier: GPL-2.0-or-later */
+#ifndef GRANHOM_SCENE_INTERNAL_H
+#define GRANHOM_SCENE_INTERNAL_H
+
+#include "granhom/scene.h"
+
+enum { SCENE_X = 1, SCENE_Y = 2 }; /* bits of a direction mask */
+
+/* One line of a step. `from` is NAN where the file gives none: the ramp starts at the present value. */
+typedef struct scene_fix {
+  int set, mask;
+} scene_fix;
+typedef struct scene_pressure {
+  int set;
+  double from, to;
+  bool follow;
+} scene_pressure;
+typedef struct scene_displace {
+  int set;
+  double from[2], to[2]; /* to: NAN for a direction that is not driven */
+} scene_displace;
+typedef struct scene_force {
+  int set;
+  double from[2], to[2];
+} scene_force;
+
+typedef struct scene_step {
+  char *name;
+  int increments, line;
+  int nsupports, nreleases, npressures, ndisplaces, nforces;
+  scene_fix *supports, *releases;
+  scene_pressure *pressures;
+  scene_displace *displaces;
+  scene_force *forces;
+  bool gravity;
+  double gravity_from[2], gravity_to[2];
+} scene_step;
+
+/* A value that goes linearly over the increments of a step. */
+typedef struct scene_ramp {
+  double from, to, now;
+} scene_ramp;
+
+/* What acts: the plan's memory from step to step (program.c). */
+typedef struct scene_present {
+  scene_ramp *pressure;   /* nsets */
+  bool *follow;           /* nsets */
+  scene_ramp (*force)[2]; /* nsets */
+  scene_ramp gravity[2];
+  scene_ramp *u;       /* 2 nnodes, where held */
+  bool *held, *driven; /* 2 nnodes; driven: by a `displace` of this step or of one before */
+} scene_present;
+
+typedef enum scene_start { SCENE_START_NONE, SCENE_START_CONFINEMENT, SCENE_START_BALANCE } scene_start;
+
+struct gh_scene {
+  gh_context *ctx;
+  char *path, *text, *title, *length_unit, *force_unit;
+  char *packing_path;
+  gh_packing *packing;
+  gh_mesh *mesh;
+  int nsets; /* of the mesh as the user knows it; behind these comes one set per node (program.c) */
+  gh_rve_options micro;
+  gh_macro_options solver;
+  scene_start start;
+  int start_line;
+  double confinement;
+  int confinement_follow; /* -1: as the pressure that takes over, else dead */
+  double gravity[2];
+  int nsupports, nsteps;
+  scene_fix *supports;
+  scene_step *steps;
+  int nrves; /* material points to record; -1: all, -2: all if they are few */
+  int *rves;
+  scene_present present;
+};
+
+enum { SCENE_ALL_RVES = -1, SCENE_FEW_RVES = -2, SCENE_FEW = 64 };
+
+/* program.c */
+gh_status scene_program_create(gh_scene *scene);
+void scene_program_destroy(gh_scene *scene);
+/* Goes through all steps without solving anything: supports, releases, confinement. */
+gh_status scene_program_check(gh_scene *scene);
+/* Whether some edge of the outer boundary is free to move along its normal, so that nothing but a load can
+ * hold a stress there. */
+bool scene_boundary_is_free(const gh_scene *scene);
+bool scene_has_load(const gh_scene *scene); /* any at present: pressure, force or gravity */
+
+/* results.c */
+typedef struct scene_results scene_results;
+/* One complete increment, as the results see it. */
+typedef struct scene_frame {
+  int counter, step, increment; /* counter: of all increments, 0 the start */
+  const char *name;
+  double time; /* in load steps */
+  const gh_macro_report *report;
+} scene_frame;
+/* Checks that folder is none that cannot be written to; touches nothing. */
+gh_status scene_results_check(gh_context *ctx, const char *folder);
+gh_status scene_results_create(gh_scene *scene, gh_farm *farm, gh_macro *macro, const char *folder,
+                               scene_results **results);
+void scene_results_destroy(scene_results **results);
+void scene_results_iteration(scene_results *r, int counter, const gh_macro_iteration *it);
+gh_status scene_results_write(scene_results *r, const scene_frame *frame);
+/* Ends the record: status and message into run.json. */
+gh_status scene_results_close(scene_results *r, gh_status status, const char *message,
+                              const gh_run_summary *summary);
+int scene_results_unjammed(const scene_results *r, double *min_acoustic);
+
+/* measures.c: what is derived from stresses */
+double scene_mises(const double cauchy[4]);
+/* cauchy: npoints x 4. nodes: nnodes, from stresses extrapolated to the corners and averaged over the
+ * elements. */
+gh_status scene_nodal_mises(gh_context *ctx, const gh_mesh *mesh, const double *cauchy, double *nodes);
+void scene_cell_average(int nelements, int cols, const double *points, double *cells);
+
+/* record.c: run.json; xdmf.c: results.xdmf */
+char *scene_run_json(const gh_scene *scene, const gh_farm *farm, const char *started, const char *status,
+                     const char *message, const gh_run_summary *summary);
+void scene_xdmf_begin(gh_text *out);
+void scene_xdmf_step(gh_text *out, const gh_mesh *mesh, const scene_frame *frame);
+void scene_xdmf_end(gh_text *out);
+
+/* labels.c: what run.json says to the pictures */
+typedef struct scene_labels {
+  char title[128], length[32], force[32], stress[72];
+  char driven_set[64];   /* "" when nothing is driven */
+  char driven_direction; /* x or y */
+  int points;
+} scene_labels;
+gh_status scene_labels_read(gh_context *ctx, const char *folder, scene_labels *labels);
+
+#endif

@@ -1,0 +1,127 @@
+/* run.json: what was run, on what, with which outcome. SPDX-License-Identifier: GPL-2.0-or-later */
+#include "scene/internal.h"
+#include "granhom/granhom.h"
+
+#include <cjson/cJSON.h>
+#include <string.h>
+#include <sys/utsname.h>
+#include <unistd.h>
+
+#ifndef GH_BUILD_FLAGS
+#define GH_BUILD_FLAGS "unknown"
+#endif
+
+/* cJSON keeps the first failure to itself: an object that could not be made is NULL, and adding to NULL does
+ * nothing. */
+static cJSON *group(cJSON *parent, const char *name) {
+  return cJSON_AddObjectToObject(parent, name);
+}
+static void text(cJSON *o, const char *name, const char *value) {
+  cJSON_AddStringToObject(o, name, value);
+}
+static void truth(cJSON *o, const char *name, bool value) {
+  cJSON_AddBoolToObject(o, name, value);
+}
+/* 17 digits; JSON has no NaN: null. */
+static void number(cJSON *o, const char *name, double value) {
+  if (isfinite(value)) cJSON_AddNumberToObject(o, name, value);
+  else cJSON_AddNullToObject(o, name);
+}
+
+static void add_program(cJSON *root) {
+  cJSON *o = group(root, "program");
+  text(o, "name", "granhom");
+  text(o, "version", GH_VERSION);
+  text(o, "compiler", __VERSION__);
+  text(o, "flags", GH_BUILD_FLAGS);
+}
+
+static void add_machine(cJSON *root) {
+  struct utsname name;
+  cJSON *o = group(root, "machine");
+  if (uname(&name) == 0) {
+    text(o, "host", name.nodename);
+    text(o, "system", name.sysname);
+    text(o, "release", name.release);
+    text(o, "architecture", name.machine);
+  }
+  number(o, "cores", (double)sysconf(_SC_NPROCESSORS_ONLN));
+}
+
+static void add_options(cJSON *root, const gh_scene *s, const gh_farm *farm) {
+  static const char *const starts[] = {"none", "confinement", "balance"};
+  cJSON *o = group(root, "options"), *micro = group(o, "micro"), *solver = group(o, "solver"),
+        *start = group(o, "start");
+  text(micro, "boundary", gh_boundary_name(s->micro.boundary));
+  text(micro, "engine", s->micro.engine == GH_ENGINE_NATIVE ? "native" : "lammps");
+  number(micro, "normal_stiffness", s->micro.law.normal_stiffness);
+  number(micro, "tolerance", s->micro.tolerance);
+  number(micro, "max_steps", (double)s->micro.max_steps);
+  number(micro, "grains", s->packing->n);
+  number(micro, "points", gh_farm_size(farm));
+  text(solver, "method", "newton");
+  number(solver, "tolerance", s->solver.tolerance);
+  number(solver, "max_iterations", s->solver.max_iterations);
+  number(solver, "cut_steps", s->solver.cut_steps);
+  truth(solver, "line_search", s->solver.line_search);
+  truth(solver, "pass_jumps", s->solver.pass_jumps);
+  text(start, "kind", starts[s->start]);
+  number(start, "confinement", s->start == SCENE_START_CONFINEMENT ? s->confinement : NAN);
+}
+
+/* What the pictures need to know: which set is driven, and in which direction. */
+static void add_driven(cJSON *root, const gh_scene *s) {
+  for (int k = s->nsteps - 1; k >= 0; k--) {
+    if (s->steps[k].ndisplaces == 0) continue;
+    const scene_displace *d = s->steps[k].displaces;
+    cJSON *o = group(root, "driven");
+    text(o, "set", s->mesh->sets[d->set].name);
+    text(o, "direction", isnan(d->to[1]) ? "x" : "y");
+    return;
+  }
+}
+
+static void add_summary(cJSON *root, const gh_run_summary *m) {
+  cJSON *o = group(root, "summary"), *time = group(o, "seconds");
+  number(o, "steps", m->steps);
+  number(o, "increments", m->increments);
+  number(o, "iterations", m->iterations);
+  number(o, "substeps", m->substeps);
+  number(o, "cuts", m->cuts);
+  number(o, "jumps", m->jumps);
+  number(o, "points", m->points);
+  number(o, "unjammed", m->unjammed);
+  number(o, "min_acoustic", m->min_acoustic);
+  number(o, "evaluations", (double)m->cost.evaluations);
+  number(o, "relaxation_steps", (double)m->cost.steps);
+  number(o, "factorisations", (double)m->cost.factorisations);
+  number(time, "total", m->seconds);
+  number(time, "micro", m->micro_seconds);
+  number(time, "micro_relax", m->cost.relax);
+  number(time, "micro_contacts", m->cost.contacts);
+  number(time, "micro_factorise", m->cost.factorise);
+  number(time, "results", m->results_seconds);
+}
+
+char *scene_run_json(const gh_scene *scene, const gh_farm *farm, const char *started, const char *status,
+                     const char *message, const gh_run_summary *summary) {
+  cJSON *root = cJSON_CreateObject(), *units;
+  text(root, "title", scene->title);
+  text(root, "status", status);
+  if (message && *message) text(root, "message", message);
+  text(root, "started", started);
+  add_program(root);
+  add_machine(root);
+  add_options(root, scene, farm);
+  add_driven(root, scene);
+  units = group(root, "units");
+  text(units, "length", scene->length_unit);
+  text(units, "force", scene->force_unit);
+  if (summary) add_summary(root, summary);
+  text(root, "scene_file", scene->path);
+  text(root, "packing_file", scene->packing_path);
+  text(root, "scene", scene->text);
+  char *json = cJSON_Print(root);
+  cJSON_Delete(root);
+  return json;
+}

@@ -1,0 +1,204 @@
+/* The loop over load steps and increments. SPDX-License-Identifier: GPL-2.0-or-later */
+#include "scene/internal.h"
+
+#include <string.h>
+
+typedef struct run {
+  gh_scene *scene;
+  gh_context *ctx;
+  const gh_run_options *options;
+  gh_farm *farm;
+  gh_macro *macro;
+  gh_loads *loads;
+  scene_results *results;
+  gh_run_summary sum;
+  gh_work work;
+  int counter;             /* of increments, 0 the start */
+  int step, increment;     /* at work */
+  gh_macro_iteration last; /* of the increment at work */
+} run;
+
+/* ---- one increment ---- */
+
+static void watch(void *data, const gh_macro_iteration *it) {
+  run *r = data;
+  r->last = *it;
+  scene_results_iteration(r->results, r->counter, it);
+  gh_log(r->ctx, GH_LEVEL_INFO,
+         "%s %d/%d  part %d  iteration %2d  relative residual %9.2e  step length %.3g  %.2f s",
+         gh_scene_step_name(r->scene, r->step), r->increment, gh_scene_increments(r->scene, r->step),
+         it->substep + 1, it->iteration, it->relative, it->step, it->seconds);
+}
+
+static gh_status stopped(run *r) {
+  if (!r->options || !r->options->stop || !r->options->stop(r->options->stop_data)) return GH_OK;
+  return gh_fail(
+      r->ctx, GH_SYSTEM,
+      "stopped on request before increment %d of %d of step '%s'; what was done is complete on disk",
+      r->increment, gh_scene_increments(r->scene, r->step), gh_scene_step_name(r->scene, r->step));
+}
+
+static void add_up(run *r, const gh_macro_report *report) {
+  r->sum.iterations += report->iterations;
+  r->sum.substeps += report->substeps;
+  r->sum.cuts += report->cuts;
+  r->sum.jumps += report->jumps;
+  r->sum.micro_seconds += report->micro_seconds;
+}
+
+static void tell_increment(run *r, const gh_macro_report *report) {
+  double V, v, least;
+  int unjammed = scene_results_unjammed(r->results, &least);
+  gh_macro_volumes(r->macro, &V, &v);
+  gh_log(r->ctx, GH_LEVEL_INFO,
+         "%s %d/%d done: %d iterations in %d parts, residual %.1e, dilatancy %.4g %%, smallest acoustic "
+         "eigenvalue %.3g, %.2f s (%.2f s micro)",
+         gh_scene_step_name(r->scene, r->step), r->increment, gh_scene_increments(r->scene, r->step),
+         report->iterations, report->substeps, report->relative, 100 * (v / V - 1), least, report->seconds,
+         report->micro_seconds);
+  if (report->jumps > 0)
+    gh_log(r->ctx, GH_LEVEL_WARNING,
+           "%s %d: passed %d jumps of the packings: the path is not continuous there",
+           gh_scene_step_name(r->scene, r->step), r->increment, report->jumps);
+  if (unjammed > 0)
+    gh_log(r->ctx, GH_LEVEL_WARNING,
+           "%s %d: %d of %d integration points are unjammed: no grain touches another there",
+           gh_scene_step_name(r->scene, r->step), r->increment, unjammed, r->sum.points);
+}
+
+static gh_status write_frame(run *r, const gh_macro_report *report) {
+  int increments = gh_scene_increments(r->scene, r->step);
+  double begin = gh_seconds();
+  scene_frame frame = {.counter = r->counter,
+                       .step = r->step,
+                       .increment = r->increment,
+                       .report = report,
+                       .name = gh_scene_step_name(r->scene, r->step),
+                       .time = r->step == 0 ? 0 : r->step - 1 + (double)r->increment / increments};
+  gh_status status = scene_results_write(r->results, &frame);
+  r->sum.results_seconds += gh_seconds() - begin;
+  return status;
+}
+
+static gh_status solve(run *r) {
+  gh_macro_report report = {0};
+  gh_status status = gh_macro_solve(r->macro, r->loads, &report);
+  add_up(r, &report);
+  if (status != GH_OK)
+    return gh_prefix(r->ctx, status, "step '%s', increment %d of %d: ", gh_scene_step_name(r->scene, r->step),
+                     r->increment, gh_scene_increments(r->scene, r->step));
+  GH_TRY(write_frame(r, &report));
+  tell_increment(r, &report);
+  r->sum.increments += r->step > 0;
+  r->counter++;
+  return GH_OK;
+}
+
+/* ---- the start ---- */
+
+/* Grains only push: a packing that is under stress at F = I and finds no load at a free boundary has no
+ * equilibrium. */
+static gh_status check_start(run *r) {
+  gh_scene *s = r->scene;
+  if (s->start != SCENE_START_NONE || scene_has_load(s) || !scene_boundary_is_free(s)) return GH_OK;
+  double F[4] = {1, 0, 0, 1}, P[4];
+  gh_rve *rve;
+  GH_TRY(gh_rve_create(r->ctx, s->packing, &s->micro, &rve));
+  gh_status status = gh_rve_evaluate(rve, F, 0, P, NULL);
+  gh_rve_destroy(&rve);
+  GH_TRY(status);
+  double largest = 0;
+  for (int k = 0; k < 4; k++) largest = fmax(largest, fabs(P[k]));
+  if (largest < 1e-10 * s->micro.law.normal_stiffness) return GH_OK;
+  return gh_fail(r->ctx, GH_INPUT,
+                 "%s:%d: the packing is under stress as it is (P11 = %.4g, P22 = %.4g), no load acts at the "
+                 "start, and grains only push: "
+                 "there is no equilibrium. Give `start: {confinement: p}` (a pressure to start from) or "
+                 "`start: {balance: true}` (the stress is held)",
+                 s->path, s->start_line, P[0], P[3]);
+}
+
+static gh_status begin_start(run *r) {
+  r->step = 0, r->increment = 1;
+  GH_TRY(gh_scene_loads(r->scene, 0, 1, NULL, r->loads));
+  GH_TRY(check_start(r));
+  if (r->scene->start == SCENE_START_BALANCE) GH_TRY(gh_macro_balance(r->macro));
+  gh_status status = solve(r);
+  if (status == GH_DIVERGED && r->scene->start == SCENE_START_NONE && scene_boundary_is_free(r->scene)) {
+    char message[2048];
+    snprintf(message, sizeof message, "%s", gh_message(r->ctx));
+    gh_fail(r->ctx, status,
+            "%s. The scene has no `start`: a packing under stress needs `start: {confinement: p}` or `start: "
+            "{balance: true}`",
+            message);
+  }
+  return status;
+}
+
+/* ---- all steps ---- */
+
+static gh_status run_step(run *r, int step) {
+  int increments = gh_scene_increments(r->scene, step);
+  r->step = step;
+  gh_work_begin(r->ctx, &r->work, gh_scene_step_name(r->scene, step), "increments", increments);
+  gh_status status = GH_OK;
+  int k = 1;
+  for (; k <= increments; k++) {
+    r->increment = k;
+    GH_TRY_OR(stopped(r), done);
+    GH_TRY_OR(gh_scene_loads(r->scene, step, k, gh_macro_u(r->macro), r->loads), done);
+    GH_TRY_OR(solve(r), done);
+    gh_work_advance(r->ctx, &r->work, k);
+  }
+  r->sum.steps++;
+done:
+  gh_work_end(r->ctx, &r->work, k - 1);
+  return status;
+}
+
+static gh_status run_all(run *r) {
+  GH_TRY(begin_start(r));
+  for (int step = 1; step <= gh_scene_steps(r->scene); step++) GH_TRY(run_step(r, step));
+  return GH_OK;
+}
+
+static gh_status open_run(run *r, const char *folder) {
+  const gh_scene *s = r->scene;
+  GH_TRY(scene_results_check(r->ctx, folder));
+  r->sum.points = 4 * s->mesh->nelements;
+  GH_TRY(gh_farm_create_rves(r->ctx, r->sum.points, s->packing, &s->micro, &r->farm));
+  GH_TRY(gh_macro_create(r->ctx, s->mesh, r->farm, &s->solver, &r->macro));
+  GH_TRY(gh_loads_create(r->ctx, s->mesh, &r->loads));
+  GH_TRY(scene_results_create(r->scene, r->farm, r->macro, folder, &r->results));
+  gh_macro_set_watch(r->macro, watch, r);
+  return GH_OK;
+}
+
+/* Writes the end into run.json. A failure there does not hide the one of the run. */
+static gh_status close_run(run *r, gh_status status) {
+  char message[2048];
+  snprintf(message, sizeof message, "%s", status == GH_OK ? "" : gh_message(r->ctx));
+  gh_status closed = scene_results_close(r->results, status, message, &r->sum);
+  if (status == GH_OK) return closed;
+  return gh_fail(r->ctx, status, "%s", message);
+}
+
+gh_status gh_scene_run(gh_scene *scene, const char *folder, const gh_run_options *options,
+                       gh_run_summary *summary) {
+  run r = {.scene = scene, .ctx = scene->ctx, .options = options};
+  double begin = gh_seconds();
+  gh_status status = open_run(&r, folder);
+  if (status == GH_OK) {
+    status = run_all(&r);
+    gh_farm_costs(r.farm, &r.sum.cost);
+    r.sum.unjammed = scene_results_unjammed(r.results, &r.sum.min_acoustic);
+    r.sum.seconds = gh_seconds() - begin;
+    status = close_run(&r, status);
+  }
+  scene_results_destroy(&r.results);
+  gh_loads_destroy(&r.loads);
+  gh_macro_destroy(&r.macro);
+  gh_farm_destroy(&r.farm);
+  if (summary) *summary = r.sum;
+  return status;
+}
