@@ -33,7 +33,7 @@ BENCH := $(patsubst %.c,$(BUILD)/%,$(wildcard tests/bench/*.c))
 
 .PHONY: all lib demo check bench asan valgrind format tidy install clean packages tests-only
 .DEFAULT_GOAL := all
-.SECONDARY:
+.PRECIOUS: $(BUILD)/%.c.o $(BUILD)/%.cpp.o
 all: $(BUILD)/granhom
 lib: $(LIB)
 

@@ -43,8 +43,8 @@ static inline void assert_ok(const gh_context *ctx, gh_status s, const char *fil
 static inline void assert_fails(const gh_context *ctx, gh_status s, gh_status wanted, const char *words,
                                 const char *file, int line) {
   if (s == wanted && strstr(gh_message(ctx), words)) return;
-  print_error("status %d (wanted %d), message \"%s\" (wanted \"%s\")\n", (int)s, (int)wanted,
-              gh_message(ctx), words);
+  print_error("status %d (wanted %d), message \"%s\" (wanted \"%s\")\n", (int)s, (int)wanted, gh_message(ctx),
+              words);
   _fail(file, line);
 }
 

@@ -104,8 +104,9 @@ gh_status gh_yaml_numbers(gh_yaml_node node, const char *what, int n, double *va
 /* ---- HDF5 ---- */
 
 typedef struct gh_h5 gh_h5;
-/* Opens path for change by way of path.tmp (a copy when path exists and append is true); gh_h5_commit renames
- * it into place. */
+/* Opens a file for change, with what path holds when it exists and append is true. It is kept in memory until
+ * gh_h5_commit puts it into place by way of path.tmp: HDF5 1.10 itself does not survive a full disk. A
+ * dataset that is put again is replaced. */
 gh_status gh_h5_open(gh_context *ctx, const char *path, bool append, gh_h5 **file);
 /* Opens for reading. GH_INPUT: missing or no HDF5 file. */
 gh_status gh_h5_read(gh_context *ctx, const char *path, gh_h5 **file);

@@ -418,6 +418,7 @@ static int by_line(const void *p, const void *q) {
 /* Replaces the cells' node ids by places in the list of nodes. */
 static gh_status find_nodes(gmsh *g) {
   const scanner *s = &g->s;
+  if (g->nnodes == 0) return gh_fail(s->ctx, GH_INPUT, "%s: the mesh has no nodes", s->path);
   qsort(g->nodes, (size_t)g->nnodes, sizeof *g->nodes, by_id);
   for (int a = 1; a < g->nnodes; a++)
     if (g->nodes[a].id == g->nodes[a - 1].id)
@@ -427,8 +428,7 @@ static gh_status find_nodes(gmsh *g) {
   for (int c = 0; c < g->ncells; c++)
     for (int a = 0; a < g->cells[c].nnodes; a++) {
       file_node key = {.id = g->cells[c].node[a]};
-      const file_node *found =
-          g->nnodes ? bsearch(&key, g->nodes, (size_t)g->nnodes, sizeof *g->nodes, by_id) : NULL;
+      const file_node *found = bsearch(&key, g->nodes, (size_t)g->nnodes, sizeof *g->nodes, by_id);
       if (!found)
         return gh_fail(s->ctx, GH_INPUT, "%s:%d: element %ld refers to node %ld, which is missing", s->path,
                        g->cells[c].line, g->cells[c].id, key.id);

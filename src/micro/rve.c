@@ -133,9 +133,10 @@ gh_status gh_rve_evaluate(gh_rve *r, const double F[4], unsigned want, double P[
   r->trial = false;
   if (!gh_finite(F, 4))
     return gh_fail(r->ctx, GH_INPUT, "F = [%g %g; %g %g] is not finite", F[0], F[1], F[2], F[3]);
-  if (!(gh_det2(F) > 0))
-    return gh_fail(r->ctx, GH_INPUT, "F = [%g %g; %g %g] has the determinant %g; it must be positive", F[0],
-                   F[1], F[2], F[3], gh_det2(F));
+  if (!(gh_det2(F) > 0) || !isfinite(gh_det2(F)))
+    return gh_fail(r->ctx, GH_INPUT,
+                   "F = [%g %g; %g %g] has the determinant %g; it must be positive and finite", F[0], F[1],
+                   F[2], F[3], gh_det2(F));
   r->m = (gh_rve_measures){.acoustic = NAN, .acoustic_angle = NAN};
   memcpy(r->F, F, sizeof r->F);
   memcpy(r->m.F, F, sizeof r->m.F);
@@ -188,7 +189,8 @@ gh_status gh_rve_load(gh_rve *r, const double *state) {
                    "the state to load has a value that is not finite, or F with det F <= 0");
   memcpy(r->Fn, state, sizeof r->Fn);
   memcpy(r->yn, state + 4, 2 * (size_t)r->n * sizeof(double));
-  memcpy(r->y, r->yn, 2 * (size_t)r->n * sizeof(double)); /* where all grains follow F, no evaluation sets it */
+  memcpy(r->y, r->yn,
+         2 * (size_t)r->n * sizeof(double)); /* where all grains follow F, no evaluation sets it */
   r->trial = false;
   return GH_OK;
 }

@@ -33,31 +33,34 @@ static gh_status draw(gh_context *ctx, const char *script, const char *tmp, cons
   return gh_file_replace(ctx, tmp, png);
 }
 
-/* A script in memory with the picture's header; *tmp is the file that it draws into. */
-static gh_status script_begin(gh_context *ctx, const char *png, int width, int height, FILE **out,
-                              char **script, size_t *length, char **tmp) {
+/* A script of gnuplot in memory; it draws into tmp. */
+typedef struct drawing {
+  FILE *out;
+  char *script, *tmp; /* script: whole once out is closed */
+  size_t length;
+} drawing;
+
+static gh_status drawing_begin(gh_context *ctx, const char *png, int width, int height, drawing *d) {
   size_t size = strlen(png) + 5;
-  *out = NULL, *script = NULL;
-  GH_TRY(gh_alloc(ctx, size, 1, tmp));
-  snprintf(*tmp, size, "%s.tmp", png);
-  *out = open_memstream(script, length);
-  if (!*out) return gh_fail(ctx, GH_MEMORY, "no memory for a script of gnuplot");
-  fprintf(*out,
-          "set terminal pngcairo size %d,%d enhanced font 'sans,13' linewidth 1.6\nset encoding utf8\nset "
-          "output ",
-          width, height);
-  quote(*out, *tmp);
-  fprintf(*out, "\nset grid lc rgb '#dddddd' lw 0.6\nset border 3\nset tics nomirror\nset key noenhanced\n");
+  GH_TRY(gh_alloc(ctx, size, 1, &d->tmp));
+  snprintf(d->tmp, size, "%s.tmp", png);
+  d->out = open_memstream(&d->script, &d->length);
+  if (!d->out) return gh_fail(ctx, GH_MEMORY, "no memory for a script of gnuplot");
+  fprintf(d->out, "set terminal pngcairo size %d,%d enhanced font 'sans,13' linewidth 1.6\n", width, height);
+  fprintf(d->out, "set encoding utf8\nset output ");
+  quote(d->out, d->tmp);
+  fprintf(d->out,
+          "\nset grid lc rgb '#dddddd' lw 0.6\nset border 3\nset tics nomirror\nset key noenhanced\n");
   return GH_OK;
 }
 
-static gh_status script_end(gh_context *ctx, FILE *out, char *script, char *tmp, const char *png,
-                            gh_status status) {
-  bool bad = out && fclose(out) != 0;
+/* Draws when all went well so far, and frees. */
+static gh_status drawing_end(gh_context *ctx, drawing *d, const char *png, gh_status status) {
+  bool bad = d->out && fclose(d->out) != 0;
   if (status == GH_OK && bad) status = gh_fail(ctx, GH_MEMORY, "no memory for a script of gnuplot");
-  if (status == GH_OK) status = draw(ctx, script, tmp, png);
-  free(script);
-  free(tmp);
+  if (status == GH_OK) status = draw(ctx, d->script, d->tmp, png);
+  free(d->script);
+  free(d->tmp);
   return status;
 }
 
@@ -122,6 +125,7 @@ static double field(const char *line, int column_index) {
 typedef struct choice {
   int x, force, dilatancy, first;
   bool driven;
+  double sign; /* -1 where the set is driven against its axis */
   char x_label[160], force_label[160];
 } choice;
 
@@ -132,9 +136,10 @@ static gh_status choose(gh_context *ctx, const history *h, const scene_labels *l
   snprintf(name, sizeof name, "u%c_%s", l->driven_direction, l->driven_set);
   c->x = *l->driven_set ? column(h->header, name) : -1;
   c->driven = c->x >= 0;
+  c->sign = c->driven && field(h->line[h->nrows - 1], c->x) < 0 ? -1 : 1;
   if (c->driven) {
-    snprintf(c->x_label, sizeof c->x_label, "displacement of %s in %c%s", l->driven_set, l->driven_direction,
-             unit);
+    snprintf(c->x_label, sizeof c->x_label, "displacement of %s in %s%c%s", l->driven_set,
+             c->sign < 0 ? "-" : "", l->driven_direction, unit);
     snprintf(name, sizeof name, "%s_%c", l->driven_set, l->driven_direction);
   } else {
     c->x = column(h->header, "time");
@@ -156,12 +161,10 @@ static gh_status choose(gh_context *ctx, const history *h, const scene_labels *l
   return GH_OK;
 }
 
-/* The data; axes point to growing load, so a displacement that becomes negative is drawn by its size. */
 static void write_data(FILE *out, const history *h, const choice *c) {
-  double last = field(h->line[h->nrows - 1], c->x), sign = c->driven && last < 0 ? -1 : 1;
   fprintf(out, "$data << EOD\n");
   for (int k = c->first; k < h->nrows; k++)
-    fprintf(out, "%.17g %.17g %.17g\n", sign * field(h->line[k], c->x), fabs(field(h->line[k], c->force)),
+    fprintf(out, "%.17g %.17g %.17g\n", c->sign * field(h->line[k], c->x), fabs(field(h->line[k], c->force)),
             field(h->line[k], c->dilatancy));
   fprintf(out, "EOD\n");
 }
@@ -187,15 +190,13 @@ gh_status gh_picture_curves(gh_context *ctx, const char *folder, const char *png
   history h;
   scene_labels l;
   choice c = {0};
-  FILE *out = NULL;
-  char *script = NULL, *tmp = NULL;
-  size_t length;
+  drawing d = {0};
   GH_TRY(scene_labels_read(ctx, folder, &l));
   gh_status status = history_read(ctx, folder, &h);
   if (status == GH_OK) status = choose(ctx, &h, &l, &c);
-  if (status == GH_OK) status = script_begin(ctx, png, 800, 900, &out, &script, &length, &tmp);
-  if (status == GH_OK) write_curves(out, &h, &c, &l);
-  status = script_end(ctx, out, script, tmp, png, status);
+  if (status == GH_OK) status = drawing_begin(ctx, png, 800, 900, &d);
+  if (status == GH_OK) write_curves(d.out, &h, &c, &l);
+  status = drawing_end(ctx, &d, png, status);
   history_free(&h);
   return status;
 }
@@ -204,10 +205,10 @@ gh_status gh_picture_curves(gh_context *ctx, const char *folder, const char *png
 
 enum { MOST_CURVES = 6 };
 
-/* One curve per increment: residual over residual of its first iteration; substeps that follow a cut or a
- * jump go on in the same curve. */
+/* One curve per increment, broken where a cut or a jump starts the iteration anew. */
 static void write_residuals(FILE *out, const gh_csv *csv, const scene_labels *l) {
-  int step = gh_csv_find(csv, "step"), relative = gh_csv_find(csv, "relative");
+  int step = gh_csv_find(csv, "step"), relative = gh_csv_find(csv, "relative"),
+      iteration = gh_csv_find(csv, "iteration");
   int last = (int)csv->value[(csv->nrows - 1) * csv->ncols + step], first = last - MOST_CURVES + 1;
   if (first < 0) first = 0;
   for (int s = first; s <= last; s++) {
@@ -215,18 +216,21 @@ static void write_residuals(FILE *out, const gh_csv *csv, const scene_labels *l)
     int at = 0;
     for (int k = 0; k < csv->nrows; k++) {
       const double *row = csv->value + (size_t)k * (size_t)csv->ncols;
-      if ((int)row[step] == s && row[relative] > 0) fprintf(out, "%d %.17g\n", at++, row[relative]);
+      if ((int)row[step] != s || !(row[relative] > 0)) continue;
+      if (at > 0 && row[iteration] == 0) fprintf(out, "\n");
+      fprintf(out, "%d %.17g\n", at++, row[relative]);
     }
     fprintf(out, "EOD\n");
   }
   fprintf(out, "set title ");
   quote(out, l->title);
-  fprintf(out,
-          " noenhanced\nset logscale y\nset format y '10^{%%T}'\nset xtics 1\nset xlabel 'iteration'\nset "
-          "ylabel 'relative residual'\nset key right top\n"
-          "set palette defined (0 '#440154', 1 '#3b528b', 2 '#21918c', 3 '#5ec962', 4 '#d0c11d')\nset "
-          "cbrange [0:%d]\nunset colorbox\nplot ",
-          last > first ? last - first : 1);
+  fprintf(
+      out,
+      " noenhanced\nset logscale y\nset format y '10^{%%T}'\nset xlabel 'evaluation of the residual'\nset "
+      "ylabel 'relative residual'\nset key outside right top\n"
+      "set palette defined (0 '#440154', 1 '#3b528b', 2 '#21918c', 3 '#5ec962', 4 '#d0c11d')\nset "
+      "cbrange [0:%d]\nunset colorbox\nplot ",
+      last > first ? last - first : 1);
   for (int s = first; s <= last; s++)
     fprintf(out, "%s$step%d using 1:2 with linespoints lc palette cb %d pt 7 ps 0.8 title 'increment %d'",
             s > first ? ", " : "", s, s - first, s);
@@ -236,17 +240,16 @@ static void write_residuals(FILE *out, const gh_csv *csv, const scene_labels *l)
 gh_status gh_picture_convergence(gh_context *ctx, const char *folder, const char *png) {
   gh_csv *csv = NULL;
   scene_labels l;
-  FILE *out = NULL;
-  char *script = NULL, *tmp = NULL, *path = gh_path_join(folder, "convergence.csv");
-  size_t length;
+  drawing d = {0};
+  char *path = gh_path_join(folder, "convergence.csv");
   gh_status status = path ? gh_csv_read(ctx, path, &csv) : gh_fail(ctx, GH_MEMORY, "no memory for a path");
-  if (status == GH_OK &&
-      (csv->nrows == 0 || gh_csv_find(csv, "step") < 0 || gh_csv_find(csv, "relative") < 0))
+  if (status == GH_OK && (csv->nrows == 0 || gh_csv_find(csv, "step") < 0 ||
+                          gh_csv_find(csv, "iteration") < 0 || gh_csv_find(csv, "relative") < 0))
     status = gh_fail(ctx, GH_INPUT, "%s: holds no residuals", path);
   if (status == GH_OK) status = scene_labels_read(ctx, folder, &l);
-  if (status == GH_OK) status = script_begin(ctx, png, 800, 560, &out, &script, &length, &tmp);
-  if (status == GH_OK) write_residuals(out, csv, &l);
-  status = script_end(ctx, out, script, tmp, png, status);
+  if (status == GH_OK) status = drawing_begin(ctx, png, 900, 560, &d);
+  if (status == GH_OK) write_residuals(d.out, csv, &l);
+  status = drawing_end(ctx, &d, png, status);
   gh_csv_destroy(&csv);
   free(path);
   return status;

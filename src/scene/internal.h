@@ -87,6 +87,13 @@ gh_status scene_program_check(gh_scene *scene);
 bool scene_boundary_is_free(const gh_scene *scene);
 bool scene_has_load(const gh_scene *scene); /* any at present: pressure, force or gravity */
 
+/* boundary.c: sides of elements that no other element shares, body on the left. The caller frees. */
+typedef struct scene_edge {
+  int a, b;
+} scene_edge;
+gh_status scene_boundary_edges(gh_context *ctx, int nelements, const int (*quad)[4], scene_edge **edges,
+                               int *count);
+
 /* results.c */
 typedef struct scene_results scene_results;
 /* One complete increment, as the results see it. */

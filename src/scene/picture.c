@@ -225,6 +225,7 @@ static void outline(page *p, const mesh_data *d, size_t e, double factor) {
 /* The element as small flat patches: the value is bilinear between the corners. */
 static void fill_element(page *p, const mesh_data *d, size_t e, double factor, double low, double high) {
   enum { PATCHES = 24 };
+  cairo_set_antialias(p->c, CAIRO_ANTIALIAS_NONE); /* no seams between the patches */
   for (int i = 0; i < PATCHES; i++)
     for (int j = 0; j < PATCHES; j++) {
       double rgb[3], value = 0, half = 0.5 / PATCHES, s = (i + 0.5) / PATCHES, t = (j + 0.5) / PATCHES;
@@ -247,6 +248,48 @@ static void fill_element(page *p, const mesh_data *d, size_t e, double factor, d
       cairo_close_path(p->c);
       cairo_fill(p->c);
     }
+  cairo_set_antialias(p->c, CAIRO_ANTIALIAS_DEFAULT);
+}
+
+/* The undeformed body. */
+static gh_status draw_body(page *p, const mesh_data *d) {
+  scene_edge *edges;
+  int count;
+  GH_TRY(scene_boundary_edges(p->ctx, (int)d->nelements, (const int(*)[4])d->quad, &edges, &count));
+  for (int k = 0; k < count; k++) {
+    int a = edges[k].a, b = edges[k].b;
+    cairo_move_to(p->c, px(p, d->X[3 * a]), py(p, d->X[3 * a + 1]));
+    cairo_line_to(p->c, px(p, d->X[3 * b]), py(p, d->X[3 * b + 1]));
+  }
+  cairo_stroke(p->c);
+  free(edges);
+  return GH_OK;
+}
+
+/* Coordinates of the undeformed body along the lower and the left side. */
+static void draw_axes(page *p, const double low[2], const double high[2], const char *unit) {
+  double bottom = p->height - 75, left = 85;
+  char text[160];
+  for (int i = 0; i < 2; i++) {
+    double step = tick_step(high[i] - low[i]);
+    for (double v = ceil(low[i] / step - 1e-9) * step; v <= high[i] + 1e-9 * step; v += step) {
+      snprintf(text, sizeof text, "%.6g", fabs(v) < 1e-9 * step ? 0 : v);
+      double x = i ? left : px(p, v), y = i ? py(p, v) : bottom;
+      cairo_move_to(p->c, x, y);
+      cairo_line_to(p->c, x - (i ? 5 : 0), y + (i ? 0 : 5));
+      cairo_stroke(p->c);
+      write_text(p, i ? x - 10 : x, i ? y + 5 : y + 22, 14, i ? 1 : 0.5, text);
+    }
+    cairo_move_to(p->c, i ? left : px(p, low[0]), i ? py(p, low[1]) : bottom);
+    cairo_line_to(p->c, i ? left : px(p, high[0]), i ? py(p, high[1]) : bottom);
+    cairo_stroke(p->c);
+  }
+  write_text(p, 0.5 * (px(p, low[0]) + px(p, high[0])), bottom + 48, 16, 0.5, label(text, "x", unit));
+  cairo_save(p->c);
+  cairo_translate(p->c, 32, 0.5 * (py(p, low[1]) + py(p, high[1])));
+  cairo_rotate(p->c, -PI / 2);
+  write_text(p, 0, 0, 16, 0.5, label(text, "y", unit));
+  cairo_restore(p->c);
 }
 
 static void range(const double *value, size_t n, double *low, double *high) {
@@ -266,38 +309,44 @@ static double enlargement(const mesh_data *d, const double size[2]) {
   return power * (x < 2 ? 1 : x < 5 ? 2 : 5);
 }
 
-static void draw_mesh(page *p, const mesh_data *d, const scene_labels *l) {
-  double low[2] = {INFINITY, INFINITY}, high[2] = {-INFINITY, -INFINITY}, size[2], from, to;
-  for (size_t n = 0; n < d->nnodes; n++)
-    for (int i = 0; i < 2; i++)
-      low[i] = fmin(low[i], d->X[3 * n + (size_t)i]), high[i] = fmax(high[i], d->X[3 * n + (size_t)i]);
-  for (int i = 0; i < 2; i++) size[i] = high[i] - low[i];
-  double factor = enlargement(d, size);
+/* Box around the undeformed (factor 0) or the drawn body. */
+static void box(const mesh_data *d, double factor, double low[2], double high[2]) {
+  for (size_t i = 0; i < 2; i++) low[i] = INFINITY, high[i] = -INFINITY;
   for (size_t n = 0; n < d->nnodes; n++)
     for (size_t i = 0; i < 2; i++) {
       double x = d->X[3 * n + i] + factor * d->u[3 * n + i];
       low[i] = fmin(low[i], x), high[i] = fmax(high[i], x);
     }
-  page_fit(p, low, high, 40, 90, p->width - 230, p->height - 150);
+}
+
+static gh_status draw_mesh(page *p, const mesh_data *d, const scene_labels *l) {
+  double low[2], high[2], drawn_low[2], drawn_high[2], from, to;
+  box(d, 0, low, high);
+  double factor = enlargement(d, (double[2]){high[0] - low[0], high[1] - low[1]});
+  box(d, factor, drawn_low, drawn_high);
+  for (int i = 0; i < 2; i++)
+    drawn_low[i] = fmin(low[i], drawn_low[i]), drawn_high[i] = fmax(high[i], drawn_high[i]);
+  page_fit(p, drawn_low, drawn_high, 95, 90, p->width - 285, p->height - 175);
   range(d->mises, d->nnodes, &from, &to);
   for (size_t e = 0; e < d->nelements; e++) fill_element(p, d, e, factor, from, to);
   cairo_set_source_rgba(p->c, 1, 1, 1, 0.8);
   cairo_set_line_width(p->c, d->nelements < 400 ? 1.5 : 0.5);
   for (size_t e = 0; e < d->nelements; e++) outline(p, d, e, factor);
   cairo_stroke(p->c);
-  cairo_set_source_rgb(p->c, 0.45, 0.45, 0.45);
-  cairo_set_line_width(p->c, 1);
-  cairo_set_dash(p->c, (double[]){4, 4}, 2, 0);
-  for (size_t e = 0; e < d->nelements; e++) outline(p, d, e, 0);
-  cairo_stroke(p->c);
+  cairo_set_source_rgb(p->c, 0.35, 0.35, 0.35);
+  cairo_set_line_width(p->c, 1.2);
+  cairo_set_dash(p->c, (double[]){5, 5}, 2, 0);
+  GH_TRY(draw_body(p, d));
   cairo_set_dash(p->c, NULL, 0, 0);
   char text[256], name[160];
   cairo_set_source_rgb(p->c, 0.1, 0.1, 0.1);
+  draw_axes(p, low, high, l->length);
   write_text(p, 40, 36, 20, 0, *l->title ? l->title : "Deformed mesh");
   snprintf(text, sizeof text, "increment %d, displacements drawn %g times; dashed: undeformed", d->last,
            factor);
   write_text(p, 40, 62, 15, 0, text);
   colour_bar(p, from, to, label(name, "von Mises stress", l->stress));
+  return GH_OK;
 }
 
 gh_status gh_picture_mesh(gh_context *ctx, const char *folder, const char *png) {
@@ -308,7 +357,7 @@ gh_status gh_picture_mesh(gh_context *ctx, const char *folder, const char *png) 
   gh_status status = mesh_data_read(ctx, folder, &d);
   if (status == GH_OK) {
     status = page_open(ctx, &p, 1000, 800);
-    if (status == GH_OK) draw_mesh(&p, &d, &l);
+    if (status == GH_OK) status = draw_mesh(&p, &d, &l);
     if (status == GH_OK) status = page_write(&p, png);
     page_close(&p);
   }

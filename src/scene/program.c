@@ -46,16 +46,6 @@ static gh_status add_node_sets(gh_scene *s) {
   return GH_OK;
 }
 
-typedef struct boundary_edge {
-  int low, high; /* nodes, sorted */
-  int from, to;  /* nodes, body on the left */
-} boundary_edge;
-
-static int by_nodes(const void *a, const void *b) {
-  const boundary_edge *p = a, *q = b;
-  return p->low != q->low ? (p->low > q->low) - (p->low < q->low) : (p->high > q->high) - (p->high < q->high);
-}
-
 /* Whether a load along the normal of the edge would move one of its nodes. */
 static bool normal_is_free(const gh_scene *s, int a, int b) {
   const double *X = s->mesh->X;
@@ -68,21 +58,13 @@ static bool normal_is_free(const gh_scene *s, int a, int b) {
 
 bool scene_boundary_is_free(const gh_scene *s) {
   const gh_mesh *m = s->mesh;
-  size_t count = 4 * (size_t)m->nelements;
-  boundary_edge *edge = malloc(count * sizeof *edge);
-  if (!edge) return false;
-  for (size_t k = 0; k < count; k++) {
-    int a = m->quad[k / 4][k % 4], b = m->quad[k / 4][(k + 1) % 4];
-    edge[k] = (boundary_edge){a < b ? a : b, a < b ? b : a, a, b};
-  }
-  qsort(edge, count, sizeof *edge, by_nodes);
+  scene_edge *edges;
+  int count;
+  if (scene_boundary_edges(s->ctx, m->nelements, (const int(*)[4])m->quad, &edges, &count) != GH_OK)
+    return false;
   bool is_free = false;
-  for (size_t k = 0; k < count && !is_free; k++) {
-    bool inner = (k > 0 && by_nodes(edge + k - 1, edge + k) == 0) ||
-                 (k + 1 < count && by_nodes(edge + k, edge + k + 1) == 0);
-    is_free = !inner && normal_is_free(s, edge[k].from, edge[k].to);
-  }
-  free(edge);
+  for (int k = 0; k < count && !is_free; k++) is_free = normal_is_free(s, edges[k].a, edges[k].b);
+  free(edges);
   return is_free;
 }
 

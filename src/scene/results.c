@@ -39,14 +39,13 @@ gh_status scene_results_check(gh_context *ctx, const char *folder) {
   char *path = strdup(folder);
   if (!path) return gh_fail(ctx, GH_MEMORY, "no memory for a path");
   gh_status status = GH_OK;
-  while (stat(path, &info) != 0 && errno == ENOENT) { /* up to what exists */
+  while (stat(path, &info) != 0 && (errno == ENOENT || errno == ENOTDIR)) { /* up to what exists */
     char *parent = gh_path_folder(path);
     free(path);
     if (!parent) return gh_fail(ctx, GH_MEMORY, "no memory for a path");
     path = parent;
   }
-  if (stat(path, &info) != 0 && errno != ENOTDIR)
-    status = gh_fail(ctx, GH_SYSTEM, "%s: %s", path, strerror(errno));
+  if (stat(path, &info) != 0) status = gh_fail(ctx, GH_SYSTEM, "%s: %s", path, strerror(errno));
   else if (!S_ISDIR(info.st_mode))
     status = gh_fail(ctx, GH_INPUT, "%s: is a file, and the results need a folder", path);
   else if (access(path, W_OK | X_OK) != 0)

@@ -85,8 +85,9 @@ static gh_status solve(run *r) {
   gh_status status = gh_macro_solve(r->macro, r->loads, &report);
   add_up(r, &report);
   if (status != GH_OK)
-    return gh_prefix(r->ctx, status, "step '%s', increment %d of %d: ", gh_scene_step_name(r->scene, r->step),
-                     r->increment, gh_scene_increments(r->scene, r->step));
+    return gh_prefix(r->ctx, status, "%s: step '%s', increment %d of %d: ", r->scene->path,
+                     gh_scene_step_name(r->scene, r->step), r->increment,
+                     gh_scene_increments(r->scene, r->step));
   GH_TRY(write_frame(r, &report));
   tell_increment(r, &report);
   r->sum.increments += r->step > 0;

@@ -96,7 +96,8 @@ static void hear_log(void *data, gh_level level, const char *line) {
   snprintf(h->line, sizeof h->line, "%s", line);
 }
 
-/* Work reports its begin and its end, in between at most ten times a second; without a sink nothing happens. */
+/* Work reports its begin and its end, in between at most ten times a second; without a sink nothing happens.
+ */
 static void progress_is_reported_sparingly(void **state) {
   gh_context *ctx = *state;
   heard h = {0};
@@ -150,7 +151,8 @@ static void tensors_of_the_plane(void **state) {
   assert_true(x[0] == 4 && x[1] == 11);
   gh_cauchy2(B, A, C); /* B A^T / 5 */
   assert_true(distance(C, (double[4]){0, -1, 2.6, 5.4}, 4) < 1e-15);
-  assert_true(gh_finite(A, 4) && !gh_finite((double[2]){1, NAN}, 2) && !gh_finite((double[2]){INFINITY, 1}, 2));
+  assert_true(gh_finite(A, 4) && !gh_finite((double[2]){1, NAN}, 2) &&
+              !gh_finite((double[2]){INFINITY, 1}, 2));
 }
 
 int main(void) {

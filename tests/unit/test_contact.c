@@ -31,7 +31,8 @@ static double random_branch(unsigned long long *seed, int dim, double *l) {
   return d * (1 + 0.2 * uniform(seed) + 1e-3);
 }
 
-/* The force on grain i is the derivative of the energy with respect to the branch vector, which points away from i. */
+/* The force on grain i is the derivative of the energy with respect to the branch vector, which points away
+ * from i. */
 static void force_is_the_gradient_of_the_energy(void **state) {
   (void)state;
   unsigned long long seed = 2;
@@ -55,7 +56,8 @@ static void hessian_is_the_derivative_of_the_force(void **state) {
   (void)state;
   unsigned long long seed = 3;
   print_message("seed %llu\n", seed);
-  static const int place[2][3][3] = {{{0, 1, -1}, {1, 2, -1}, {-1, -1, -1}}, {{0, 1, 2}, {1, 3, 4}, {2, 4, 5}}};
+  static const int place[2][3][3] = {{{0, 1, -1}, {1, 2, -1}, {-1, -1, -1}},
+                                     {{0, 1, 2}, {1, 3, 4}, {2, 4, 5}}};
   for (int trial = 0; trial < 200; trial++)
     for (int dim = 2; dim <= 3; dim++) {
       double l[3], h[6], E = 1 + 1000 * uniform(&seed), reach = random_branch(&seed, dim, l), step = 1e-5;
@@ -77,7 +79,8 @@ static void stiffness_along_and_across(void **state) {
   (void)state;
   double l[2] = {3, 4}, h[3];
   gh_normal_hessian(10, 0.5, 5, l, 2, h);
-  double along = (h[0] * 9 + 2 * h[1] * 12 + h[2] * 16) / 25, across = (h[0] * 16 - 2 * h[1] * 12 + h[2] * 9) / 25;
+  double along = (h[0] * 9 + 2 * h[1] * 12 + h[2] * 16) / 25,
+         across = (h[0] * 16 - 2 * h[1] * 12 + h[2] * 9) / 25;
   double mixed = (-h[0] * 12 + h[1] * (9 - 16) + h[2] * 12) / 25;
   NEAR("along", along, 10, 1e-14);
   NEAR("across", across, -1, 1e-14);
@@ -106,10 +109,9 @@ static void contact_pushes(void **state) {
 }
 
 int main(void) {
-  const struct CMUnitTest tests[] = {
-      cmocka_unit_test(force_is_the_gradient_of_the_energy),
-      cmocka_unit_test(hessian_is_the_derivative_of_the_force),
-      cmocka_unit_test(stiffness_along_and_across), cmocka_unit_test(values_at_touch),
-      cmocka_unit_test(contact_pushes)};
+  const struct CMUnitTest tests[] = {cmocka_unit_test(force_is_the_gradient_of_the_energy),
+                                     cmocka_unit_test(hessian_is_the_derivative_of_the_force),
+                                     cmocka_unit_test(stiffness_along_and_across),
+                                     cmocka_unit_test(values_at_touch), cmocka_unit_test(contact_pushes)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

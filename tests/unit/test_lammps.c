@@ -10,6 +10,7 @@
 #include "granhom/engine.h"
 #include "granhom/io.h"
 
+#include <lammps/library.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -380,6 +381,39 @@ static void relax_as_native(void **state) {
   drop(&p);
 }
 
+/* A cluster with held grains relaxes to the native engine's equilibrium, and moves as it does. */
+static void cluster_relaxes_as_native(void **state) {
+  (void)state;
+  packing p = read_p150();
+  p.cluster = true;
+  for (int i = 0; i < p.n; i++) p.held[i] = fmax(fabs(p.x[2 * i]), fabs(p.x[2 * i + 1])) > 0.6;
+  deform(&p, (double[4]){0.99, 0.01, 0, 0.985});
+  gh_contact *c[2];
+  int count[2];
+  gh_relax_result r[2];
+  double *x = calloc(2 * (size_t)p.n, sizeof *x);
+  for (int k = 0; k < 2; k++) {
+    gh_engine *e = open_engine(&p, k ? GH_ENGINE_NATIVE : GH_ENGINE_LAMMPS);
+    c[k] = calloc(20 * (size_t)p.n, sizeof *c[k]);
+    OK(gh_engine_set(e, NULL, p.x));
+    OK(gh_engine_relax(e, &(gh_relax_options){1e-11, 100000, 0}, &r[k]));
+    assert_true(r[k].converged);
+    OK(gh_engine_get(e, x));
+    for (int i = 0; i < p.n; i++)
+      if (p.held[i]) assert_memory_equal(&x[2 * i], &p.x[2 * i], 2 * sizeof *x);
+    OK(gh_engine_move(e, x));
+    count[k] = loaded(contacts_of(e), 1e-6 * r[k].mean_force, c[k]);
+    gh_engine_destroy(&e);
+  }
+  assert_int_equal(count[0], count[1]);
+  for (int k = 0; k < count[0]; k++)
+    for (int m = 0; m < 2; m++) assert_near(c[0][k].f[m], c[1][k].f[m], 1e-9 * r[1].mean_force);
+  free(c[0]);
+  free(c[1]);
+  free(x);
+  drop(&p);
+}
+
 /* ---- what an engine promises ---- */
 
 /* What comes back depends on cell and positions only, to the last bit, whatever the engine did before. */
@@ -602,50 +636,62 @@ static void *open_3d(const char *newton, bool tilted) {
   return lmp;
 }
 
-/* 3D: the rows' forces add up to the atoms' forces, their energies to LAMMPS's energy (newton on and off). */
+/* A vector or scalar of a compute, as LAMMPS's library hands it out. */
+static const double *global_data(void *lmp, const char *id, int type) {
+  const double *data = lammps_extract_compute(lmp, id, LMP_STYLE_GLOBAL, type);
+  assert_non_null(data);
+  return data;
+}
+
+/* What a row says of itself: force, energy and trace of the second derivative from overlap and distance. */
+static void assert_row(const double *row) {
+  int a = (int)row[0], b = (int)row[1];
+  double E = a % 2 && b % 2 ? 40 : a % 2 || b % 2 ? 50 : 60; /* odd ids are of type 1; mixed: the mean */
+  double d = sqrt(row[2] * row[2] + row[3] * row[3] + row[4] * row[4]), e = row[8];
+  assert_true(a <= b);
+  for (int m = 0; m < 3; m++) assert_near(row[5 + m], -E * e * row[2 + m] / d, 1e-11);
+  assert_near(row[9], E * e * e / 2, 1e-11);
+  assert_near(row[10] + row[13] + row[15], E * (1 - 2 * e / d), 1e-9);
+}
+
+/* 3D, newton on and off, box straight and tilted: the rows' forces add up to the atoms' forces, their
+ * energies and virials to LAMMPS's energy and pressure tensor, and the compute's own totals say the same. */
 static void compute_sums_3d(void **state) {
   (void)state;
-  double energy[4];
+  static const int pair_of[6][2] = {{0, 0}, {1, 1}, {2, 2}, {0, 1}, {0, 2}, {1, 2}};
   for (int k = 0; k < 4; k++) {
     void *lmp = open_3d(k % 2 ? "on" : "off", k / 2);
     int count, *tag;
-    double **rows, **f, sum[61][3] = {{0}};
+    double **rows, **f, sum[61][3] = {{0}}, energy = 0, virial[6] = {0};
     OK(gh_lmp_command(ctx, lmp, "compute e all pe"));
-    OK(gh_lmp_command(ctx, lmp, "thermo_style custom step c_e"));
+    OK(gh_lmp_command(ctx, lmp, "compute p all pressure NULL virial"));
+    OK(gh_lmp_command(ctx, lmp, "thermo_style custom step c_e c_p[1]"));
     OK(gh_lmp_command(ctx, lmp, "fix r all granhom/relax"));
     OK(gh_lmp_command(ctx, lmp, "run 0 post no"));
     OK(gh_lmp_local(ctx, lmp, "c", &count, &rows));
     OK(gh_lmp_atom(ctx, lmp, "f", &f));
     OK(gh_lmp_atom(ctx, lmp, "id", &tag));
     assert_true(count > 30);
-    energy[k] = 0;
     for (int r = 0; r < count; r++) {
-      int a = (int)rows[r][0], b = (int)rows[r][1];
-      assert_true(a <= b);
-      energy[k] += rows[r][9];
-      double l2 = 0, lf = 0;
+      assert_row(rows[r]);
+      energy += rows[r][9];
       for (int m = 0; m < 3; m++) {
-        sum[a][m] += rows[r][5 + m];
-        sum[b][m] -= rows[r][5 + m];
-        l2 += rows[r][2 + m] * rows[r][2 + m];
-        lf += rows[r][2 + m] * rows[r][5 + m];
+        sum[(int)rows[r][0]][m] += rows[r][5 + m];
+        sum[(int)rows[r][1]][m] -= rows[r][5 + m];
       }
-      double E = a % 2 && b % 2 ? 40 : a % 2 || b % 2 ? 50 : 60; /* odd ids are of type 1; mixed: the mean */
-      assert_near(lf, -E * rows[r][8] * sqrt(l2), 1e-11);
-      /* the trace of the second derivative: E along, -E e/d twice across */
-      assert_near(rows[r][10] + rows[r][13] + rows[r][15], E * (1 - 2 * rows[r][8] / sqrt(l2)), 1e-9);
+      for (int m = 0; m < 6; m++) virial[m] -= rows[r][2 + pair_of[m][0]] * rows[r][5 + pair_of[m][1]];
     }
     for (int i = 0; i < 60; i++)
       for (int m = 0; m < 3; m++) assert_near(f[i][m], sum[tag[i]][m], 1e-10);
-    double pe;
-    OK(gh_lmp_command(ctx, lmp, "variable pe equal c_e*60"));
-    OK(gh_lmp_command(ctx, lmp, "print ${pe} file /dev/null"));
-    OK(gh_lmp_fix_vector(ctx, lmp, "r", 1, &pe));
-    assert_true(pe > 0);
+    assert_near(*global_data(lmp, "e", LMP_TYPE_SCALAR), energy, 1e-11 * energy);
+    for (int m = 0; m < 6; m++) {
+      assert_near(global_data(lmp, "p", LMP_TYPE_VECTOR)[m], virial[m] / 48, 1e-11 * fabs(virial[0]));
+      assert_near(global_data(lmp, "c", LMP_TYPE_VECTOR)[m], -virial[m] / 48, 1e-11 * fabs(virial[0]));
+    }
+    assert_near(global_data(lmp, "c", LMP_TYPE_VECTOR)[6], energy, 1e-11 * energy);
+    assert_near(global_data(lmp, "c", LMP_TYPE_VECTOR)[7], count, 0);
     gh_lmp_close(&lmp);
   }
-  assert_near(energy[0], energy[1], 1e-11 * energy[0]);
-  assert_near(energy[2], energy[3], 1e-11 * energy[2]);
 }
 
 /* The compute refuses to read a list that is out of date: before any run, and after the box has changed. */
@@ -746,15 +792,25 @@ static int tear_down(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(two_disks),          cmocka_unit_test(square_lattice),
-      cmocka_unit_test(tiny_cells),         cmocka_unit_test(no_contact),
-      cmocka_unit_test(same_as_native),     cmocka_unit_test(cluster_as_native),
-      cmocka_unit_test(relax_as_native),    cmocka_unit_test(no_memory),
-      cmocka_unit_test(held_grains),        cmocka_unit_test(moves),
-      cmocka_unit_test(out_of_steps),       cmocka_unit_test(bad_setup),
-      cmocka_unit_test(error_in_run),       cmocka_unit_test(errors_become_messages),
-      cmocka_unit_test(compute_sums_3d),    cmocka_unit_test(compute_refuses_stale_lists),
-      cmocka_unit_test(relax_3d),           cmocka_unit_test(wrong_arguments),
+      cmocka_unit_test(two_disks),
+      cmocka_unit_test(square_lattice),
+      cmocka_unit_test(tiny_cells),
+      cmocka_unit_test(no_contact),
+      cmocka_unit_test(same_as_native),
+      cmocka_unit_test(cluster_as_native),
+      cmocka_unit_test(relax_as_native),
+      cmocka_unit_test(cluster_relaxes_as_native),
+      cmocka_unit_test(no_memory),
+      cmocka_unit_test(held_grains),
+      cmocka_unit_test(moves),
+      cmocka_unit_test(out_of_steps),
+      cmocka_unit_test(bad_setup),
+      cmocka_unit_test(error_in_run),
+      cmocka_unit_test(errors_become_messages),
+      cmocka_unit_test(compute_sums_3d),
+      cmocka_unit_test(compute_refuses_stale_lists),
+      cmocka_unit_test(relax_3d),
+      cmocka_unit_test(wrong_arguments),
       cmocka_unit_test(styles_after_clear),
   };
   return cmocka_run_group_tests(tests, set_up, tear_down);

@@ -12,7 +12,8 @@ typedef struct sample {
 
 static void draw(unsigned long long *seed, int n, double largest, sample *s) {
   s->n = n;
-  double angle = 2 * help_pi * uniform(seed), Q[4], T[4] = {0.4 + uniform(seed), 2 * uniform(seed) - 1, 0, 0.4 + uniform(seed)};
+  double angle = 2 * help_pi * uniform(seed), Q[4],
+         T[4] = {0.4 + uniform(seed), 2 * uniform(seed) - 1, 0, 0.4 + uniform(seed)};
   rotation(angle, Q);
   gh_mul2(Q, T, s->cell);
   for (int i = 0; i < n; i++) {
@@ -29,9 +30,10 @@ static gh_engine *make_engine(gh_context *ctx, const sample *s, bool periodic, c
   return e;
 }
 
-/* Number of contacts of i and j (j seen at any image), each one looked up in the list and marked there. Contacts within
- * round-off of touching may be in the list or not. */
-static int brute_force(const sample *s, bool periodic, int i, int j, const gh_contact *list, int count, int *mark) {
+/* Number of contacts of i and j (j seen at any image), each one looked up in the list and marked there.
+ * Contacts within round-off of touching may be in the list or not. */
+static int brute_force(const sample *s, bool periodic, int i, int j, const gh_contact *list, int count,
+                       int *mark) {
   double inverse[4], f[2], d0[2] = {s->x[2 * j] - s->x[2 * i], s->x[2 * j + 1] - s->x[2 * i + 1]};
   gh_inv2(s->cell, inverse);
   gh_apply2(inverse, d0, f);
@@ -73,7 +75,8 @@ static void check_contacts(gh_context *ctx, const sample *s, bool periodic) {
   for (int c = 0; c < count; c++) {
     assert_true(mark[c] == 1 || list[c].overlap <= 1e-13);
     found += mark[c] == 0;
-    if (c) assert_true(list[c - 1].i < list[c].i || (list[c - 1].i == list[c].i && list[c - 1].j <= list[c].j));
+    if (c)
+      assert_true(list[c - 1].i < list[c].i || (list[c - 1].i == list[c].i && list[c - 1].j <= list[c].j));
   }
   assert_int_equal(found, count);
   gh_engine_destroy(&e);
@@ -91,7 +94,8 @@ static void contacts_of_random_packings(void **state) {
   }
 }
 
-/* One to four grains in cells smaller than they are: a grain touches its own images and several of its neighbours'. */
+/* One to four grains in cells smaller than they are: a grain touches its own images and several of its
+ * neighbours'. */
 static void contacts_in_tiny_cells(void **state) {
   unsigned long long seed = 12;
   print_message("seed %llu\n", seed);
@@ -114,7 +118,8 @@ static double energy_at(gh_context *ctx, gh_engine *e, const sample *s, const do
   return sum;
 }
 
-/* The force on each grain is minus the derivative of the energy with respect to its position, and sums to zero. */
+/* The force on each grain is minus the derivative of the energy with respect to its position, and sums to
+ * zero. */
 static void forces_are_derivatives_of_the_energy(void **state) {
   gh_context *ctx = *state;
   unsigned long long seed = 13;
@@ -221,7 +226,8 @@ static void relaxation_reaches_equilibrium(void **state) {
   for (int i = 0; i < 50; i += 9) held[i] = 1;
   for (int some = 0; some < 2; some++) {
     gh_engine *e;
-    gh_engine_setup setup = {.n = p->n, .radius = p->radius, .held = some ? held : NULL, .periodic = true, .law = {1000}};
+    gh_engine_setup setup = {
+        .n = p->n, .radius = p->radius, .held = some ? held : NULL, .periodic = true, .law = {1000}};
     double cell[4], x[100], y[100], F[4] = {0.99, 0.005, 0, 0.995};
     gh_relax_options o = {.tolerance = 1e-6, .max_steps = 100000, .floor = 0};
     gh_relax_result r;

@@ -1,4 +1,5 @@
-/* Packings: reading, checking, writing; replicas and boundary sets. SPDX-License-Identifier: GPL-2.0-or-later */
+/* Packings: reading, checking, writing; replicas and boundary sets. SPDX-License-Identifier: GPL-2.0-or-later
+ */
 #include "../help.h"
 
 #include <unistd.h>
@@ -70,7 +71,8 @@ static void faults_are_named_with_their_line(void **state) {
   FAILS(gh_packing_read(ctx, "/tmp/granhom/none.data", &p), GH_INPUT, "No such file");
 }
 
-/* Grains come in the order of their ids, and one outside the cell stands for its image inside, also in a tilted cell. */
+/* Grains come in the order of their ids, and one outside the cell stands for its image inside, also in a
+ * tilted cell. */
 static void grains_are_sorted_and_wrapped(void **state) {
   gh_context *ctx = *state;
   char path[64];
@@ -94,7 +96,8 @@ static void assert_same_packing(const gh_packing *a, const gh_packing *b) {
   assert_memory_equal(a->radius, b->radius, n * sizeof(double));
   assert_memory_equal(a->x, b->x, 2 * n * sizeof(double));
   assert_true(distance(a->low, b->low, 2) == 0);
-  assert_true(distance(a->cell, b->cell, 4) <= 4e-16); /* the file holds low and high: their difference rounds */
+  assert_true(distance(a->cell, b->cell, 4) <=
+              4e-16); /* the file holds low and high: their difference rounds */
 }
 
 /* What is written is read back as it was, and a copy is the same packing in memory of its own. */
@@ -226,7 +229,8 @@ static void replicas_in_tilted_cells(void **state) {
   print_message("seed %llu\n", seed);
   for (int trial = 0; trial < 200; trial++) {
     int n = 1 + trial % 12;
-    double cell[4] = {0.5 + uniform(&seed), 3 * uniform(&seed) - 1.5, 0, 0.5 + uniform(&seed)}, radius[12], x[24];
+    double cell[4] = {0.5 + uniform(&seed), 3 * uniform(&seed) - 1.5, 0, 0.5 + uniform(&seed)}, radius[12],
+           x[24];
     for (int i = 0; i < n; i++) {
       double s[2] = {uniform(&seed), uniform(&seed)};
       radius[i] = 0.02 + 0.4 * uniform(&seed) * uniform(&seed);

@@ -261,6 +261,8 @@ static gh_status set_styles(bridge *e, double stiffness) {
   /* Thermo output that needs no energy: LAMMPS would ask for it at steps that were not tallied. */
   GH_TRY(gh_lmp_command(ctx, lmp, "thermo_style custom step"));
   GH_TRY(gh_lmp_command(ctx, lmp, "thermo 0"));
+  GH_TRY(gh_lmp_command(ctx, lmp, "uncompute thermo_press")); /* else each run tallies energy and virial */
+  GH_TRY(gh_lmp_command(ctx, lmp, "uncompute thermo_pe"));
   GH_TRY(gh_lmp_drive(ctx, lmp, FIX, e->periodic, &free_bit));
   return set_grains(e, free_bit);
 }

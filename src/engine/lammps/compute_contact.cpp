@@ -32,6 +32,10 @@ ComputeContact::ComputeContact(LAMMPS *l, int narg, char **arg) : Compute(l, nar
   local_flag = 1;
   size_local_cols = COLUMNS;
   size_local_rows = 0;
+  vector_flag = 1;
+  size_vector = TOTALS;
+  extvector = 0;
+  vector = totals;
 }
 
 ComputeContact::~ComputeContact() {
@@ -97,8 +101,10 @@ bool ComputeContact::counted_here(int i, int j, const double *l) const {
 
 void ComputeContact::add(const PairNormal &p, int i, int j, int *count) {
   const double *xi = atom->x[i], *xj = atom->x[j];
-  double l[3] = {xj[0] - xi[0], xj[1] - xi[1], xj[2] - xi[2]};
-  double d = std::sqrt(l[0] * l[0] + l[1] * l[1] + l[2] * l[2]), e = atom->radius[i] + atom->radius[j] - d;
+  const double l[3] = {xj[0] - xi[0], xj[1] - xi[1], xj[2] - xi[2]};
+  const double d2 = l[0] * l[0] + l[1] * l[1] + l[2] * l[2], reach = atom->radius[i] + atom->radius[j];
+  if (d2 > 1.000001 * reach * reach) return; /* the root decides near the limit, as in the pair style */
+  const double d = std::sqrt(d2), e = reach - d;
   if (e < 0 || !counted_here(i, j, l)) return;
   if (!(d > 0)) const_cast<PairNormal &>(p).centres_coincide(i, j);
   if (*count == rows_allocated)
@@ -141,6 +147,23 @@ void ComputeContact::compute_local() {
   }
   size_local_rows = count;
   array_local = rows;
+}
+
+/* Homogenised stress (5.3-5.6) as Cauchy stress: sum of f (x) l over the volume of the box, pressure
+ * negative. */
+void ComputeContact::compute_vector() {
+  static const int pair_of[6][2] = {{0, 0}, {1, 1}, {2, 2}, {0, 1}, {0, 2}, {1, 2}};
+  if (invoked_local != update->ntimestep) compute_local();
+  invoked_vector = update->ntimestep;
+  double mine[TOTALS] = {0};
+  for (int r = 0; r < size_local_rows; r++) {
+    for (int k = 0; k < 6; k++) mine[k] += rows[r][FX + pair_of[k][0]] * rows[r][LX + pair_of[k][1]];
+    mine[6] += rows[r][ENERGY];
+  }
+  mine[7] = size_local_rows;
+  MPI_Allreduce(mine, totals, TOTALS, MPI_DOUBLE, MPI_SUM, world);
+  const double volume = domain->xprd * domain->yprd * (domain->dimension == 3 ? domain->zprd : 1);
+  for (int k = 0; k < 6; k++) totals[k] /= volume;
 }
 
 double ComputeContact::memory_usage() {

@@ -19,9 +19,12 @@ public:
   ~ComputeContact() override;
   void init() override;
   void compute_local() override;
+  void compute_vector() override;
   double memory_usage() override;
 
 private:
+  enum { TOTALS = 8 }; /* sxx syy szz sxy sxz syz, energy, number of contacts */
+  double totals[TOTALS] = {};
   int rows_allocated = 0;
   double **rows = nullptr;
   PairNormal *pair() const;

@@ -1,0 +1,87 @@
+#!/usr/bin/env bash
+# Runs all tests that `make check` has built, two at a time, and the scripts in tests/system. One line per program with its time, the
+# output of those that failed, and a sum as the last line. BUILD: the folder of the build; SANITIZED=1: it holds a sanitizer.
+# SPDX-License-Identifier: GPL-2.0-or-later
+set -u
+cd "$(dirname "$0")/.." || exit 1
+export BUILD=${BUILD:-build}
+export OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1 # containers run as root
+export OMPI_MCA_rmaps_base_oversubscribe=1 OMPI_MCA_mpi_yield_when_idle=1 # more ranks than cores
+export OMPI_MCA_btl_base_warn_component_unused=0 OMPI_MCA_btl_vader_single_copy_mechanism=none
+# What Open MPI, LAMMPS and CHOLMOD keep until the end is no leak of ours; tests/valgrind.sh looks for those.
+export ASAN_OPTIONS=${ASAN_OPTIONS:-detect_leaks=0} UBSAN_OPTIONS=${UBSAN_OPTIONS:-print_stacktrace=1}
+export OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1
+limit=${TEST_TIMEOUT:-1200} # seconds for one program
+jobs=${TEST_JOBS:-2}
+
+work=$(mktemp -d) || exit 1
+trap 'rm -rf "$work"' EXIT
+trap 'exit 130' INT TERM
+export work limit
+
+# Numbers of cmocka's own summary: "[  PASSED  ] 5 test(s)." and the like.
+count() { sed -n "s/^\[ *$2 *\] \([0-9][0-9]*\) test(s).*/\1/p" "$1" | tail -n 1; }
+
+# Runs one test; leaves its output and a line "passed failed skipped" behind, and prints its line.
+run_one() {
+  local test=$1 name out begin end code passed failed skipped
+  name=${test#"$BUILD"/}
+  name=${name#tests/}
+  out=$work/${name//\//_}
+  begin=$(date +%s.%N)
+  local run=("$test")
+  [ "${test%.sh}" != "$test" ] && run=(bash "$test")
+  timeout -k 10 "$limit" "${run[@]}" >"$out" 2>&1 </dev/null
+  code=$?
+  end=$(date +%s.%N)
+  if [ "${test%.sh}" = "$test" ]; then
+    passed=$(count "$out" PASSED) failed=$(count "$out" FAILED) skipped=$(count "$out" SKIPPED)
+  else
+    passed=$(grep -c '^ok - ' "$out") failed=$(grep -c '^not ok - ' "$out") skipped=$(grep -c '^skip - ' "$out")
+  fi
+  passed=${passed:-0} failed=${failed:-0} skipped=${skipped:-0}
+  if [ "$code" -ne 0 ] && [ "$failed" -eq 0 ]; then # a crash, a time-out, or a test that said nothing
+    failed=1
+    [ "$code" -eq 124 ] && echo "(stopped after $limit s)" >>"$out"
+    echo "(exit status $code)" >>"$out"
+  elif [ $((passed + failed + skipped)) -eq 0 ]; then
+    failed=1
+    echo "(it ran no test)" >>"$out"
+  fi
+  echo "$passed $failed $skipped" >"$out.sum"
+  {
+    local words="$passed passed"
+    [ "$failed" -gt 0 ] && words="$words, $failed FAILED"
+    [ "$skipped" -gt 0 ] && words="$words, $skipped skipped"
+    printf '%-32s %6.1f s  %s\n' "$name" "$(echo "$end $begin" | awk '{print $1 - $2}')" "$words"
+    # cmocka's successes say nothing about the failure
+    [ "$failed" -gt 0 ] && grep -vE '^\[ (RUN     |      OK) \]|^ok - ' "$out" | tail -n 200 | sed 's/^/    /'
+  } >"$out.told"
+  cat "$out.told" # in one piece, so that two tests do not mix
+}
+export -f run_one count
+
+{
+  for kind in unit verify extreme; do
+    for source in tests/$kind/test_*.c; do
+      [ -e "$source" ] && printf '%s\0' "$BUILD/${source%.c}"
+    done
+  done
+  for script in tests/system/*.sh; do
+    [ -e "$script" ] && printf '%s\0' "$script"
+  done
+} >"$work/list"
+xargs -0 -n 1 -P "$jobs" bash -c 'run_one "$1"' run_one <"$work/list"
+
+wanted=$(tr -cd '\0' <"$work/list" | wc -c)
+ran=$(find "$work" -name '*.sum' | wc -l)
+passed=0 failed=0 skipped=0
+for sum in "$work"/*.sum; do
+  [ -e "$sum" ] || continue
+  read -r p f s <"$sum"
+  passed=$((passed + p)) failed=$((failed + f)) skipped=$((skipped + s))
+done
+failed=$((failed + wanted - ran))
+[ $((passed + failed)) -eq 0 ] && { echo "no tests found"; failed=1; }
+if [ "$skipped" -gt 0 ]; then echo "$passed passed, $failed failed, $skipped skipped"; else echo "$passed passed, $failed failed"; fi
+[ "$failed" -eq 0 ]

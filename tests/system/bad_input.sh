@@ -1,0 +1,198 @@
+#!/bin/sh
+# Wrong scenes: one clear message with file and line, exit status 2, nothing written. SPDX-License-Identifier: GPL-2.0-or-later
+set -u
+granhom=$(pwd)/${BUILD:-build}/granhom
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+failed=0
+cp scenes/block/block150.data "$work/ok.data"
+cd "$work" || exit 1
+
+# scene KEY: a whole scene to standard output, with the text of one key replaced by standard input when KEY is not empty
+scene() {
+  for key in packing contact micro start mesh supports steps extra; do
+    if [ "$key" = "${1:-}" ]; then cat; continue; fi
+    case $key in
+      packing) echo 'packing: ok.data' ;;
+      contact) echo 'contact: {normal_stiffness: 50}' ;;
+      micro) echo 'micro: {boundary: taylor, engine: native}' ;;
+      start) echo 'start: {confinement: 0.01}' ;;
+      mesh) echo 'mesh: {rectangle: {size: [10, 10], elements: [2, 2]}}' ;;
+      supports) printf 'supports:\n  - {edge: left, fix: x}\n  - {edge: bottom, fix: y}\n' ;;
+      steps) printf 'steps:\n  - {name: push, increments: 1, displace: [{edge: top, y: -0.01}]}\n' ;;
+    esac
+  done
+}
+
+# bad WHAT PATTERN: runs scene.yaml and expects the pattern (grep -E) in a single message
+bad() {
+  "$granhom" run "${scene_file:-scene.yaml}" -o "${out:-out}" >log 2>err
+  code=$?
+  why=
+  [ $code = 2 ] || why="exit status $code instead of 2"
+  grep -Eq "$2" err || why="$why; the message does not match '$2'"
+  [ "$(grep -c '^granhom: ' err)" = 1 ] || why="$why; not one message"
+  [ -d out ] && why="$why; a folder was written"
+  rm -rf out
+  if [ -z "$why" ]; then echo "ok - $1"; return; fi
+  echo "not ok - $1: ${why#; }"
+  sed 's/^/#   /' err
+  failed=1
+}
+with() { scene "$1" >scene.yaml; }
+
+with extra <<'E'
+tilte: Typing error
+E
+bad 'unknown key' 'scene.yaml:[0-9]+: .*tilte.*title'
+with micro <<'E'
+micro: {boundry: taylor}
+E
+bad 'unknown key inside a map' 'scene.yaml:3: .*boundry.*boundary'
+with contact <<'E'
+contact: {normal_stiffness: fifty}
+E
+bad 'wrong type: a word for a number' 'scene.yaml:2: .*normal_stiffness'
+with steps <<'E'
+steps: {name: push}
+E
+bad 'wrong type: a map for a list' 'scene.yaml:[0-9]+: .*steps.*list'
+with contact <<'E'
+contact: {normal_stiffness: -50}
+E
+bad 'negative stiffness' 'scene.yaml:2: .*normal_stiffness.*-50'
+with contact <<'E'
+contact: {normal_stiffness: .nan}
+E
+bad 'stiffness that is no number' 'scene.yaml:2: .*normal_stiffness'
+with packing <<'E'
+packing: nowhere.data
+E
+bad 'missing packing' 'scene.yaml:1: .*nowhere.data'
+with packing </dev/null
+bad 'no packing named' 'scene.yaml:1: .*packing'
+with micro <<'E'
+micro: {boundary: tailor}
+E
+bad 'bad boundary word' 'scene.yaml:3: .*tailor.*taylor.*periodic'
+with micro <<'E'
+micro: {engine: abacus}
+E
+bad 'bad engine word' 'scene.yaml:3: .*abacus'
+with micro <<'E'
+micro: {tolerance: 0}
+E
+bad 'tolerance of zero' 'scene.yaml:3: .*tolerance'
+with mesh <<'E'
+mesh: {rectangle: {size: [10, -10], elements: [2, 2]}}
+E
+bad 'negative size' 'scene.yaml:5: .*size'
+with mesh <<'E'
+mesh:
+  rectangle: {size: [10, 10], elements: [2, 2]}
+  move: [{node: [5, 5], by: [9, 0]}]
+E
+bad 'inverted element' 'scene.yaml:[56]: .*element'
+with mesh <<'E'
+mesh:
+  rectangle: {size: [10, 10], elements: [2, 2]}
+  move: [{node: [4, 5], by: [0, 0]}]
+E
+bad 'a node to move that is not there' 'scene.yaml:7: .*no node at \(4, 5\)'
+with mesh <<'E'
+mesh: {gmsh: nowhere.msh}
+E
+bad 'missing mesh file' 'scene.yaml:5: .*nowhere.msh'
+with supports <<'E'
+supports: [{edge: lefft, fix: x}]
+E
+bad 'an edge that does not exist' 'scene.yaml:6: .*lefft.*left, right, bottom, top'
+with supports <<'E'
+supports: [{edge: left, fix: z}]
+E
+bad 'a direction that does not exist' 'scene.yaml:6: .*z.*x, y or both'
+with supports </dev/null
+bad 'no supports' 'scene.yaml:[0-9]+: nothing holds the body in x'
+with supports <<'E'
+supports: [{edge: left, fix: x}, {edge: right, fix: x}, {edge: bottom, fix: y}]
+E
+bad 'a confinement without an edge to act on' 'scene.yaml:4: the confinement finds no edge'
+{ scene steps </dev/null | grep -v -e '^ *- {edge' -e '^supports'; cat <<'E'; } >scene.yaml
+supports: [{edge: left, fix: y}, {edge: bottom, fix: x}]
+steps:
+  - {increments: 1, pressure: [{edge: right, to: 0.02}]}
+E
+bad 'supports that leave a rotation free' 'scene.yaml: .*node|scene.yaml: .*rotat'
+with steps <<'E'
+steps:
+  - {name: push, displace: [{edge: top, y: -0.01}]}
+E
+bad 'a step without increments' 'scene.yaml:10: .*increments'
+with steps <<'E'
+steps: []
+E
+bad 'no steps' 'scene.yaml:9: .*steps'
+with steps <<'E'
+steps:
+  - {increments: 1, pressure: [{edge: right, to: 1}, {edge: right, to: 2}]}
+E
+bad 'pressure given twice for an edge' 'scene.yaml:10: .*right.*twice'
+with steps <<'E'
+steps:
+  - {increments: 1, displace: [{edge: top}]}
+E
+bad 'a displacement without target' 'scene.yaml:10: .*target'
+with steps <<'E'
+steps:
+  - {increments: 1, release: [{edge: top, free: y}]}
+E
+bad 'a release of what nothing drives' 'scene.yaml:10: .*releases .top. in y'
+with start <<'E'
+start: {confinement: -1}
+E
+bad 'negative confinement' 'scene.yaml:4: .*confinement'
+with start <<'E'
+start: {confinement: 1, balance: true}
+E
+bad 'two ways to start' 'scene.yaml:4: .*confinement.*balance'
+with start </dev/null
+bad 'a packing under stress without load' 'scene.yaml:1: .*under stress.*start: \{confinement'
+printf 'packing: [ok.data\ncontact: {' >scene.yaml
+bad 'no YAML' 'scene.yaml:[0-9]+: '
+: >scene.yaml
+bad 'empty scene' 'scene.yaml'
+scene_file=nowhere.yaml
+bad 'missing scene' 'nowhere.yaml'
+scene_file=
+
+scene >scene.yaml
+: >file
+out=file
+bad 'an output directory that is a file' 'file: .*(file|folder)'
+out=file/below
+bad 'an output directory below a file' 'file: .*(file|folder|directory)'
+out=
+
+# Packings: line 12 of ok.data is its first grain
+packing() { sed "$1" ok.data >bad.data; echo 'packing: bad.data' | scene packing >scene.yaml; }
+packing 'd'
+bad 'empty data file' 'bad.data'
+packing '100,$d'
+bad 'truncated data file' 'bad.data.*(150|atoms)'
+packing '13s/^2 /1 /'
+bad 'an id that occurs twice' 'bad.data:13: .*(id|1).*twice|bad.data:13: '
+packing '12s/0\.25/0/'
+bad 'zero radius' 'bad.data:12: '
+packing '12s/0\.25/-0.25/'
+bad 'negative radius' 'bad.data:12: '
+packing '12s/-0\.31[0-9]*/nan/'
+bad 'a coordinate that is NaN' 'bad.data:12: .*nan'
+packing '12s/0\.0$/0.5/'
+bad 'a grain out of the plane' 'bad.data:12: '
+
+# Options
+"$granhom" run 2>err; code=$?
+[ $code = 2 ] && grep -q 'scene file is needed' err && echo 'ok - run without arguments' || { echo 'not ok - run without arguments'; failed=1; }
+"$granhom" runn 2>err; code=$?
+[ $code = 2 ] && grep -q "did you mean 'run'" err && echo 'ok - a command that does not exist' || { echo 'not ok - a command that does not exist'; failed=1; }
+exit $failed

@@ -1,0 +1,196 @@
+#!/usr/bin/env bash
+# `granhom rve` as users run it: files and pipes, tangent, dump, state, bad input, an increment that does not converge.
+# SPDX-License-Identifier: GPL-2.0-or-later
+set -u
+BUILD=$(cd "${BUILD:-build}" && pwd) || exit 1
+root=$(pwd)
+packing=$root/tests/data/cases/packings/p50.data
+granhom=$BUILD/granhom
+work=$(mktemp -d) && cd "$work" || exit 1
+trap 'rm -rf "$work"' EXIT
+bad=0
+
+ok() { echo "ok - $1"; }
+not_ok() {
+  echo "not ok - $1"
+  shift
+  [ $# -gt 0 ] && printf '  %s\n' "$@"
+  bad=1
+}
+# check NAME COMMAND...: the command succeeds
+check() {
+  local name=$1 said
+  shift
+  if said=$("$@" 2>&1); then ok "$name"; else not_ok "$name" "$*" "$said"; fi
+}
+rve() { "$granhom" rve "$@"; }
+native() { rve "$packing" --engine native --normal-stiffness 1000 "$@"; }
+# The columns of a results file that do not hold times.
+results() { sed 's/,[^,]*$//' "$1"; }
+
+cat >path.csv <<'END'
+step,F11,F12,F21,F22
+0,1,0,0,1
+1,0.998,0.001,0,0.999
+2,0.996,0.002,0,0.998
+3,0.994,0.003,0,0.997
+END
+
+# --- results ---
+columns=step,F11,F12,F21,F22,P11,P12,P21,P22,s11,s12,s21,s22,energy,contacts,rattlers,residual,seconds
+native --path path.csv -o out.csv >said 2>&1
+check "a path gives a file of results" test $? = 0 -a "$(wc -l <out.csv)" = 5
+check "the columns are those of the guide" test "$(head -n 1 out.csv)" = $columns
+check "nothing goes to standard output beside the file" test -z "$(native --path path.csv -o out.csv 2>/dev/null)"
+check "steps and F are repeated as given" test "$(sed -n 3p out.csv | cut -d, -f1-5)" = 1,0.998,0.001,0,0.999
+check "numbers have 17 digits, pressure is negative, the residual is met" awk -F, '
+  NR > 1 { n++; if ($6 >= 0 || $9 >= 0 || $17 > 1e-8 || length($6) < 17) exit 1 } END { if (n != 4) exit 1 }' out.csv
+native --path path.csv >piped.csv 2>/dev/null
+check "without -o the same goes to standard output" diff <(results out.csv) <(results piped.csv)
+native --path - -o - <path.csv >piped.csv 2>/dev/null
+check "path from standard input" diff <(results out.csv) <(results piped.csv)
+sed 's/step,//; s/^[0-9],//' path.csv | awk -F, 'BEGIN { OFS = "," } { print $4, $3, $2, $1 }' >swapped.csv
+native --path swapped.csv -o swapped_out.csv 2>/dev/null
+check "columns of the path are found by name, steps are counted" diff <(results out.csv) <(results swapped_out.csv)
+for boundary in taylor taylor-cell restricted periodic; do
+  check "boundary $boundary" native --boundary $boundary --path path.csv -o $boundary.csv
+done
+check "periodic is the default" diff <(results out.csv) <(results periodic.csv)
+check "more freedom carries less" awk -F, 'FNR == 5 { e[FILENAME] = $14 } END {
+  exit !(e["taylor.csv"] > e["restricted.csv"] && e["restricted.csv"] > e["periodic.csv"] && e["taylor-cell.csv"] > e["periodic.csv"]) }' \
+  taylor.csv taylor-cell.csv restricted.csv periodic.csv
+native --path path.csv --tolerance 1e-11 -o native.csv 2>/dev/null
+rve "$packing" --engine lammps --normal-stiffness 1000 --path path.csv --tolerance 1e-11 -o lammps.csv >said 2>&1
+check "LAMMPS gives the same stresses" awk -F, '
+  FNR > 1 { for (c = 6; c <= 13; c++) { v = $c; if (NR == FNR) { a[FNR, c] = v; if (v < 0) v = -v; if (v > most) most = v } else { d = v - a[FNR, c]; if (d < 0) d = -d; if (d > worst) worst = d; n++ } } }
+  END { exit !(n == 32 && worst <= 1e-9 * most) }' native.csv lammps.csv
+
+# --- tangent ---
+native --path path.csv -o out.csv --tangent tangent.csv 2>/dev/null
+check "the tangent's columns" test "$(head -n 1 tangent.csv)" = \
+  step,A1111,A1112,A1121,A1122,A1211,A1212,A1221,A1222,A2111,A2112,A2121,A2122,A2211,A2212,A2221,A2222
+check "the tangent has a row per increment and major symmetry" awk -F, 'NR > 1 { n++; if (NF != 17) exit 1
+  for (a = 0; a < 4; a++) for (b = 0; b < 4; b++) { d = $(2 + 4 * a + b) - $(2 + 4 * b + a); if (d < 0) d = -d; if (d > 1e-9 * $2) exit 1 } }
+  END { if (n != 4) exit 1 }' tangent.csv
+
+# --- dump ---
+frames() { # number of frames; fails unless each has as many atoms as it says, 10 words each
+  awk '/^ITEM: TIMESTEP/ { if (n && left) exit 1; n++; want = "step"; next }
+    want == "step" { if ($1 != n - 1) exit 1; want = ""; next }
+    /^ITEM: NUMBER OF ATOMS/ { want = "number"; next }
+    want == "number" { left = $1; want = ""; next }
+    /^ITEM: BOX BOUNDS/ { want = "box"; lines = 0; next }
+    want == "box" && lines < 3 { if (!($1 < $2)) exit 1; lines++; next }
+    /^ITEM: ATOMS id type x y z radius/ { want = "atoms"; next }
+    want == "atoms" { if (NF != 10 || $6 <= 0 || left-- <= 0) exit 1; next }
+    { exit 1 }
+    END { if (left) exit 1; print n }' "$1"
+}
+for boundary in taylor periodic; do
+  native --boundary $boundary --path path.csv -o out.csv --dump $boundary.dump 2>/dev/null
+  check "the dump of $boundary has a whole frame for each increment" test "$(frames $boundary.dump)" = 4
+done
+check "a cluster shows its replicas" test "$(sed -n 4p taylor.dump)" = 65
+check "a periodic cell is told with its tilt" grep -q '^ITEM: BOX BOUNDS xy xz yz pp pp pp' periodic.dump
+printf 'units lj\natom_style sphere\ndimension 2\nboundary p p p\nread_data %s\nchange_box all triclinic\nread_dump periodic.dump 3 x y box yes replace yes format native\nprint "LX $(lx:%%.12g) XY $(xy:%%.12g) N $(atoms)"\n' "$packing" >read.in
+if command -v lmp >/dev/null; then
+  lmp -in read.in -log none >lmp.out 2>&1
+  check "LAMMPS reads the dump" grep -q '^LX 0.875147959309 XY 0.00264129162769 N 50' lmp.out
+else
+  echo "skip - no lmp to read the dump"
+fi
+
+# --- state ---
+sed -n '1,3p' path.csv >first.csv
+sed -n '1p;4,5p' path.csv >second.csv
+for boundary in taylor periodic; do
+  native --boundary $boundary --path path.csv -o whole.csv 2>/dev/null
+  native --boundary $boundary --path first.csv -o first_out.csv --save-state state.h5 2>/dev/null
+  native --boundary $boundary --path second.csv -o second_out.csv --load-state state.h5 2>/dev/null
+  check "$boundary: saved and loaded, a path goes on to the last digit" diff <(results whole.csv | sed -n 4,5p) <(results second_out.csv | sed 1d)
+done
+
+# --- bad input: exit 2, one message, nothing written ---
+mkdir clean
+refused() { # refused NAME WORDS ARGUMENTS...: in the empty folder `clean`
+  local name=$1 words=$2 code
+  shift 2
+  (cd clean && "$granhom" rve "$@" >../said.out 2>../said.err)
+  code=$?
+  if [ $code = 2 ] && grep -qF -- "$words" said.err && [ ! -s said.out ] && [ -z "$(ls -A clean)" ]; then ok "refused: $name"
+  else not_ok "refused: $name" "exit $code, files: $(ls -A clean)" "$(head -n 5 said.err)" "wanted: $words"; fi
+  rm -rf clean && mkdir clean
+}
+p=$packing
+o="-o out.csv --tangent tan.csv --dump a.dump --save-state s.h5"
+# shellcheck disable=SC2086
+{
+  refused "no packing" "which packing?" --path ../path.csv $o
+  refused "two packings" "one packing is enough" $p $p --path ../path.csv $o
+  refused "no path" "--path is missing" $p $o
+  refused "unknown option" "unknown option --boundery" $p --path ../path.csv --boundery taylor $o
+  refused "option without value" "--path needs a value" $p $o --path
+  refused "unknown boundary condition" 'not "traction"' $p --path ../path.csv --boundary traction $o
+  refused "unknown engine" 'not "yade"' $p --path ../path.csv --engine yade $o
+  for value in 0 -5 nan inf 1e999 abc 50x ""; do
+    refused "stiffness '$value'" "--normal-stiffness must be a positive number, not \"$value\"" $p --path ../path.csv --normal-stiffness "$value" $o
+    refused "tolerance '$value'" "--tolerance must be a positive number, not \"$value\"" $p --path ../path.csv --tolerance "$value" $o
+  done
+  refused "tolerance 1" "--tolerance must be below 1" $p --path ../path.csv --tolerance 1 $o
+  for value in 0 -3 1.5 many; do
+    refused "--max-steps $value" "--max-steps must be a positive integer, not \"$value\"" $p --path ../path.csv --max-steps "$value" $o
+  done
+  refused "missing packing" "none.data: " none.data --path ../path.csv $o
+  refused "missing path" "none.csv: " $p --path none.csv $o
+  refused "packing that is a folder" "is a folder" .. --path ../path.csv $o
+  : >empty
+  refused "empty packing" "empty" ../empty --path ../path.csv $o
+  refused "empty path" "empty" $p --path ../empty $o
+  head -n 30 $p >cut.data
+  refused "truncated packing" "cut.data:30: " ../cut.data --path ../path.csv $o
+  sed 's/^7 1 /8 1 /' $p >twice.data
+  refused "two grains with one id" "id 8 occurs twice" ../twice.data --path ../path.csv $o
+  for value in 0 -0.1; do
+    sed "s/^7 1 [0-9.]*/7 1 $value/" $p >radius.data
+    refused "diameter $value" "radius.data:18: grain 7 has the diameter $value" ../radius.data --path ../path.csv $o
+  done
+  sed "s/^7 1 [0-9.]*/7 1 nan/" $p >nan.data
+  refused "diameter nan" "nan.data:18: diameter: 'nan'" ../nan.data --path ../path.csv $o
+  sed '/^7 1 /s/0.0$/0.5/' $p >z.data
+  refused "a grain out of the plane" "z.data:18: grain 7 has z = 0.5" ../z.data --path ../path.csv $o
+  row() { printf 'step,F11,F12,F21,F22\n0,1,0,0,1\n%s\n' "$1" >bad.csv; }
+  row 1,1,0,0,-1 && refused "det F < 0" "bad.csv:3: F = [1 0; 0 -1] has the determinant -1" $p --path ../bad.csv $o
+  row 1,1,1,1,1 && refused "det F = 0" "bad.csv:3: F = [1 1; 1 1] has the determinant 0" $p --path ../bad.csv $o
+  row 1,nan,0,0,1 && refused "NaN in F" "bad.csv:3: " $p --path ../bad.csv $o
+  row 1,1,0,0 && refused "a short row" "bad.csv:3: " $p --path ../bad.csv $o
+  row 1,one,0,0,1 && refused "a word in F" "bad.csv:3: " $p --path ../bad.csv $o
+  row 0.5,1,0,0,1 && refused "half a step" "bad.csv:3: step 0.5 is not an integer" $p --path ../bad.csv $o
+  printf 'step,F11,F12,F21\n0,1,0,0\n' >bad.csv && refused "no column F22" "no column F22" $p --path ../bad.csv $o
+  printf 'step,F11,F12,F21,F22\n' >bad.csv && refused "a path without rows" "bad.csv" $p --path ../bad.csv $o
+  refused "missing state" "none.h5" $p --path ../path.csv --load-state none.h5 $o
+  refused "state that is none" "path.csv" $p --path ../path.csv --load-state ../path.csv $o
+  refused "state of another packing" "numbers" "$root/tests/data/cases/packings/p20.data" --path ../path.csv --load-state ../state.h5 $o
+}
+mkdir folder
+native --path path.csv -o folder >said 2>&1
+check "results that would replace a folder are refused" test $? != 0
+native --path path.csv -o none/out.csv >said 2>&1
+check "results in a folder that does not exist are refused, by name" grep -q none/out.csv said
+
+# --- no convergence: exit 1, the rows before are kept ---
+cat >jump.csv <<'END'
+step,F11,F12,F21,F22
+0,1.1,0,0,1.1
+1,1.05,0,0,1.05
+2,0.97,0,0,0.97
+3,0.96,0,0,0.96
+END
+native --path jump.csv --max-steps 3 -o out.csv --tangent tan.csv --dump a.dump --save-state no.h5 >said.out 2>said.err
+check "too few steps: exit 1" test $? = 1
+check "the message names the step" grep -q 'step 2: no equilibrium within 3 relaxation steps' said.err
+check "the rows before are kept" test "$(cut -d, -f1 out.csv | tr '\n' ' ')" = "step 0 1 "
+check "so are tangents and frames" test "$(wc -l <tan.csv) $(frames a.dump)" = "3 2"
+check "no state is saved, nothing is left over" test ! -e no.h5 -a -z "$(ls ./*.tmp 2>/dev/null)"
+check "a full device is told, exit 1" sh -c "'$granhom' rve '$packing' --engine native --path path.csv >/dev/full 2>said; test \$? = 1 && test -s said"
+check "help tells the options" sh -c "'$granhom' help rve | grep -q -- --load-state"
+exit $bad
