@@ -90,10 +90,20 @@ static void finalize(void) {
   if (!done) MPI_Finalize();
 }
 
+/* Started by hand and not by mpirun or a batch system: Open MPI then needs no helper process, which takes
+ * time and memory. */
+static void start_alone(void) {
+  static const char *const launched[] = {"OMPI_COMM_WORLD_SIZE", "PMIX_RANK", "PMI_RANK", "PMI_SIZE"};
+  for (size_t k = 0; k < sizeof launched / sizeof *launched; k++)
+    if (getenv(launched[k])) return;
+  setenv("OMPI_MCA_ess_singleton_isolated", "1", 0);
+}
+
 gh_status cli_mpi(gh_context *ctx, bool single) {
   int begun = 0, ranks = 1;
   MPI_Initialized(&begun);
   if (!begun) {
+    start_alone();
     if (MPI_Init(NULL, NULL) != MPI_SUCCESS) return gh_fail(ctx, GH_SYSTEM, "MPI cannot be started");
     atexit(finalize);
   }

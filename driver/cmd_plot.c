@@ -5,6 +5,7 @@
 #include <signal.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 typedef struct plot_arguments {
   const char *results, *folder;
@@ -50,6 +51,11 @@ static gh_status work(gh_context *ctx, const plot_arguments *a) {
     gh_status (*draw)(gh_context *ctx, const plot_arguments *a, const char *png);
   } pictures[] = {
       {"mesh.png", mesh}, {"rve.png", rve}, {"curves.png", curves}, {"convergence.png", convergence}};
+  char *record = gh_path_join(a->results, "run.json");
+  if (!record) return gh_fail(ctx, GH_MEMORY, "no memory for a path");
+  bool there = access(record, R_OK) == 0;
+  free(record);
+  if (!there) return gh_fail(ctx, GH_INPUT, "%s: holds no results of `granhom run`", a->results);
   GH_TRY(gh_folder_make(ctx, a->folder));
   for (size_t k = 0; k < sizeof pictures / sizeof *pictures; k++) {
     char *png = gh_path_join(a->folder, pictures[k].name);

@@ -31,7 +31,7 @@ run_one() {
   begin=$(date +%s.%N)
   local run=("$test")
   [ "${test%.sh}" != "$test" ] && run=(bash "$test")
-  timeout -k 10 "$limit" "${run[@]}" >"$out" 2>&1 </dev/null
+  { timeout -k 10 "$limit" "${run[@]}" >"$out" 2>&1 </dev/null; } 2>/dev/null # the shell's own remark on a crash
   code=$?
   end=$(date +%s.%N)
   if [ "${test%.sh}" = "$test" ]; then

@@ -20,6 +20,9 @@ static const double decrease = 0.1;
  * in the stiff ones. */
 static const double slope = 0.5, growth = 2;
 enum { TRIALS = 7, WEAK_STEPS = 3 };
+/* Shortened steps in a row that do not halve the residual: the way it goes before a jump of a packing, where
+ * each step ends at the near side. It is given up early, because a cut or a jump is what helps. */
+enum { SLOW_STEPS = 4 };
 
 void gh_outer_forces(const gh_macro *m, const gh_loads *to, double t, bool fade, const double *u, double *f) {
   for (int d = 0; d < m->ndof; d++)
@@ -211,7 +214,7 @@ static gh_status direction(gh_macro *m) {
 }
 
 gh_status gh_newton(gh_macro *m, gh_attempt *a) {
-  int weak = 0;
+  int weak = 0, slow = 0;
   gh_jump_forget(&m->jump);
   gh_state_copy(m, &m->eq, &m->now);
   assemble(m, a);
@@ -227,11 +230,16 @@ gh_status gh_newton(gh_macro *m, gh_attempt *a) {
       assemble(m, a);
       memset(m->du, 0, (size_t)m->ndof * sizeof *m->du);
     }
+    double before = a->residual;
     GH_TRY(direction(m));
     GH_TRY(moved || !m->options.line_search ? full_step(m, a) : search(m, a, &step, &weak));
     moved = false;
     a->iterations++;
     report(m, a, k + 1, first, step);
+    slow = step < 1 && a->residual > before / 2 ? slow + 1 : 0;
+    if (slow == SLOW_STEPS && a->residual > limit(m, a->scale))
+      return gh_fail(m->ctx, GH_DIVERGED, "the residual creeps: %d shortened steps in a row did not halve it",
+                     slow);
   }
   return GH_OK;
 }

@@ -1,5 +1,5 @@
 /* Curves of a run, drawn by gnuplot as a child process. SPDX-License-Identifier: GPL-2.0-or-later */
-#include "scene/internal.h"
+#include "scene/page.h"
 
 #include <errno.h>
 #include <stdlib.h>
@@ -126,7 +126,7 @@ typedef struct choice {
   int x, force, dilatancy, first;
   bool driven;
   double sign; /* -1 where the set is driven against its axis */
-  char x_label[160], force_label[160];
+  char x_label[200], force_label[256];
 } choice;
 
 static gh_status choose(gh_context *ctx, const history *h, const scene_labels *l, choice *c) {

@@ -129,13 +129,4 @@ void scene_xdmf_begin(gh_text *out);
 void scene_xdmf_step(gh_text *out, const gh_mesh *mesh, const scene_frame *frame);
 void scene_xdmf_end(gh_text *out);
 
-/* labels.c: what run.json says to the pictures */
-typedef struct scene_labels {
-  char title[128], length[32], force[32], stress[72];
-  char driven_set[64];   /* "" when nothing is driven */
-  char driven_direction; /* x or y */
-  int points;
-} scene_labels;
-gh_status scene_labels_read(gh_context *ctx, const char *folder, scene_labels *labels);
-
 #endif

@@ -119,9 +119,20 @@ say $? 'results.xdmf opens in meshio and agrees with results.h5; run.json, histo
 import h5py
 with h5py.File('$work/gravity/rves.h5') as h5: assert sorted(h5['/rve']) == ['0000', '0063'] and h5['/rve/0063/radii'].shape[0] >= 150"
 say $? 'the chosen material points are recorded, and no others'
-"$granhom" plot "$work/distorted" -o "$work/pictures" >"$work/log" 2>&1 && [ "$(file -b --mime-type "$work"/pictures/*.png 2>/dev/null | grep -c png || ls "$work"/pictures/*.png | wc -l)" = 4 ]
+"$granhom" plot "$work/distorted" -o "$work/pictures" >"$work/log" 2>&1 && [ "$(ls "$work"/pictures/*.png | wc -l)" = 4 ]
 say $? 'granhom plot draws four pictures'
 cp -r "$work/distorted" "$work/before"
-"$granhom" run "$work/distorted.yaml" -o "$work/distorted" --quiet >"$work/log" 2>&1 && [ ! -s "$work/log" ] && cmp -s "$work/before/results.h5" "$work/distorted/results.h5"
-say $? 'a second run into the same folder says nothing when quiet and gives results that differ at most in times' 
+"$granhom" run "$work/distorted.yaml" -o "$work/distorted" --quiet >"$work/log" 2>&1 && [ ! -s "$work/log" ]
+say $? 'a second run into the same folder says nothing when quiet'
+/usr/bin/python3 - "$work/before/results.h5" "$work/distorted/results.h5" <<'E'
+import sys
+import h5py
+import numpy as np
+with h5py.File(sys.argv[1]) as a, h5py.File(sys.argv[2]) as b:
+    def same(name, item):
+        if isinstance(item, h5py.Dataset) and not name.endswith("/seconds"):
+            assert np.array_equal(item[()], b[name][()]), name
+    a.visititems(same)
+E
+say $? 'and gives the same numbers to the last bit'
 exit $failed

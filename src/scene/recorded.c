@@ -1,6 +1,6 @@
-/* What run.json says to the pictures: title, units, what is driven. SPDX-License-Identifier: GPL-2.0-or-later
+/* What a folder of results tells those who draw it. SPDX-License-Identifier: GPL-2.0-or-later
  */
-#include "scene/internal.h"
+#include "scene/page.h"
 
 #include <cjson/cJSON.h>
 #include <stdlib.h>
@@ -58,4 +58,34 @@ gh_status scene_labels_read(gh_context *ctx, const char *folder, scene_labels *l
   free(text);
   free(path);
   return status;
+}
+
+/* ---- HDF5 ---- */
+
+gh_status scene_open_h5(gh_context *ctx, const char *folder, const char *name, gh_h5 **file) {
+  char *path = gh_path_join(folder, name);
+  if (!path) return gh_fail(ctx, GH_MEMORY, "no memory for a path");
+  gh_status status = gh_h5_read(ctx, path, file);
+  free(path);
+  return status;
+}
+
+gh_status scene_get_doubles(gh_context *ctx, gh_h5 *file, const char *name, size_t *rows, size_t cols,
+                            double **data) {
+  size_t r, c;
+  GH_TRY(gh_h5_size(file, name, &r, &c));
+  if (c != cols) return gh_fail(ctx, GH_INPUT, "dataset %s has %zu columns instead of %zu", name, c, cols);
+  GH_TRY(gh_alloc(ctx, r * c, sizeof **data, data));
+  *rows = r;
+  return gh_h5_get_doubles(file, name, r, c, *data);
+}
+
+gh_status scene_get_ints(gh_context *ctx, gh_h5 *file, const char *name, size_t *rows, size_t cols,
+                         int **data) {
+  size_t r, c;
+  GH_TRY(gh_h5_size(file, name, &r, &c));
+  if (c != cols) return gh_fail(ctx, GH_INPUT, "dataset %s has %zu columns instead of %zu", name, c, cols);
+  GH_TRY(gh_alloc(ctx, r * c, sizeof **data, data));
+  *rows = r;
+  return gh_h5_get_ints(file, name, r, c, *data);
 }

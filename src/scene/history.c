@@ -1,0 +1,95 @@
+/* history.csv and convergence.csv: one row per increment, one per residual. SPDX-License-Identifier:
+ * GPL-2.0-or-later */
+#include "scene/results.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+/* A set's name as part of a column's: no commas, spaces or quotes. */
+const char *scene_column(const gh_mesh *mesh, int set, char text[64]) {
+  snprintf(text, 64, "%s", mesh->sets[set].name);
+  for (char *c = text; *c; c++)
+    if (*c == ',' || *c == ' ' || *c == '"' || *c == '\'') *c = '_';
+  return text;
+}
+
+static bool pressed(const gh_scene *s, int set) {
+  for (int k = 0; k < s->nsteps; k++)
+    for (int j = 0; j < s->steps[k].npressures; j++)
+      if (s->steps[k].pressures[j].set == set) return true;
+  return s->present.pressure[set].now != 0;
+}
+
+static bool driven(const gh_scene *s, int set, int i) {
+  for (int k = 0; k < s->nsteps; k++)
+    for (int j = 0; j < s->steps[k].ndisplaces; j++)
+      if (s->steps[k].displaces[j].set == set && !isnan(s->steps[k].displaces[j].to[i])) return true;
+  return false;
+}
+
+static bool forced(const gh_scene *s, int set) {
+  for (int k = 0; k < s->nsteps; k++)
+    for (int j = 0; j < s->steps[k].nforces; j++)
+      if (s->steps[k].forces[j].set == set) return true;
+  return false;
+}
+
+/* Writes the header (frame NULL) or the loads of a row: one list of columns for both. */
+static void history_loads(scene_results *r, const scene_frame *frame) {
+  const gh_scene *s = r->scene;
+  gh_text *t = r->history;
+  char name[64];
+  for (int set = 0; set < s->nsets; set++) {
+    gh_scene_load load;
+    gh_scene_load_on(s, set, &load);
+    scene_column(s->mesh, set, name);
+    if (pressed(s, set)) frame ? gh_text_print(t, ",%.17g", load.pressure) : gh_text_print(t, ",p_%s", name);
+    for (int i = 0; i < 2; i++) {
+      if (driven(s, set, i))
+        frame ? gh_text_print(t, ",%.17g", load.displacement[i]) : gh_text_print(t, ",u%c_%s", "xy"[i], name);
+      if (forced(s, set))
+        frame ? gh_text_print(t, ",%.17g", load.force[i]) : gh_text_print(t, ",f%c_%s", "xy"[i], name);
+    }
+  }
+  double b[2];
+  gh_scene_gravity(s, b);
+  frame ? gh_text_print(t, ",%.17g,%.17g", b[0], b[1]) : gh_text_print(t, ",gx,gy");
+}
+
+void scene_history_header(scene_results *r) {
+  char name[64];
+  gh_text_print(r->history, "step,increment,name,load_step,time");
+  history_loads(r, NULL);
+  for (int set = 0; set < r->scene->nsets; set++) {
+    scene_column(r->scene->mesh, set, name);
+    gh_text_print(r->history, ",%s_x,%s_y", name, name);
+  }
+  gh_text_print(
+      r->history,
+      ",dilatancy,iterations,substeps,cuts,jumps,unjammed,min_acoustic,residual,micro_seconds,seconds\n");
+}
+
+void scene_history_row(scene_results *r, const scene_frame *f) {
+  gh_text *t = r->history;
+  gh_text_print(t, "%d,%d,", f->counter, f->increment);
+  for (const char *c = f->name; *c; c++)
+    gh_text_print(t, "%c", *c == ',' || *c == '"' || *c == '\n' ? '_' : *c);
+  gh_text_print(t, ",%d,%.17g", f->step, f->time);
+  history_loads(r, f);
+  for (int set = 0; set < r->scene->nsets; set++) {
+    double sum[2];
+    gh_macro_reaction(r->macro, set, sum);
+    gh_text_print(t, ",%.17g,%.17g", sum[0], sum[1]);
+  }
+  double V, v;
+  const gh_macro_report *m = f->report;
+  gh_macro_volumes(r->macro, &V, &v);
+  gh_text_print(t, ",%.17g,%d,%d,%d,%d,%d,%.17g,%.17g,%.17g,%.17g\n", 100 * (v / V - 1), m->iterations,
+                m->substeps, m->cuts, m->jumps, r->unjammed, r->min_acoustic, m->relative, m->micro_seconds,
+                m->seconds);
+}
+
+void scene_results_iteration(scene_results *r, int counter, const gh_macro_iteration *it) {
+  gh_text_print(r->convergence, "%d,%d,%d,%.17g,%.17g,%.17g,%.17g,%.17g\n", counter, it->substep,
+                it->iteration, it->residual, it->relative, it->first, it->step, it->seconds);
+}

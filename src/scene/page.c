@@ -1,0 +1,119 @@
+/* A page of a picture: points of the plane to pixels, colours, text. SPDX-License-Identifier:
+ * GPL-2.0-or-later */
+#include "scene/page.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+static const char *const FONT = "sans-serif";
+
+/* ---- colours ---- */
+
+/* Dark blue over green to yellow, of evenly rising lightness; t in [0, 1]. Nine knots in the manner of
+ * viridis. */
+void scene_colour(double t, double rgb[3]) {
+  static const double knot[9][3] = {{0.267, 0.005, 0.329}, {0.282, 0.156, 0.471}, {0.244, 0.290, 0.537},
+                                    {0.191, 0.407, 0.556}, {0.147, 0.513, 0.557}, {0.120, 0.622, 0.535},
+                                    {0.208, 0.719, 0.473}, {0.565, 0.841, 0.263}, {0.993, 0.906, 0.144}};
+  t = fmin(fmax(t, 0), 1) * 8;
+  int k = t >= 8 ? 7 : (int)t;
+  for (int i = 0; i < 3; i++) rgb[i] = knot[k][i] + (t - k) * (knot[k + 1][i] - knot[k][i]);
+}
+
+/* ---- a page ---- */
+
+gh_status scene_page_open(gh_context *ctx, scene_page *p, int width, int height) {
+  *p = (scene_page){.ctx = ctx, .width = width, .height = height};
+  p->surface = cairo_image_surface_create(CAIRO_FORMAT_RGB24, width, height);
+  p->c = cairo_create(p->surface);
+  if (cairo_status(p->c) != CAIRO_STATUS_SUCCESS) return gh_fail(ctx, GH_MEMORY, "no memory for a picture");
+  cairo_set_source_rgb(p->c, 1, 1, 1);
+  cairo_paint(p->c);
+  cairo_select_font_face(p->c, FONT, CAIRO_FONT_SLANT_NORMAL, CAIRO_FONT_WEIGHT_NORMAL);
+  cairo_set_line_join(p->c, CAIRO_LINE_JOIN_ROUND);
+  cairo_set_line_cap(p->c, CAIRO_LINE_CAP_ROUND);
+  return GH_OK;
+}
+
+void scene_page_close(scene_page *p) {
+  cairo_destroy(p->c);
+  cairo_surface_destroy(p->surface);
+}
+
+/* To PNG.tmp, then into place. */
+gh_status scene_page_write(scene_page *p, const char *png) {
+  size_t length = strlen(png) + 5;
+  char *tmp;
+  GH_TRY(gh_alloc(p->ctx, length, 1, &tmp));
+  snprintf(tmp, length, "%s.tmp", png);
+  cairo_status_t s = cairo_surface_write_to_png(p->surface, tmp);
+  gh_status status = s == CAIRO_STATUS_SUCCESS ? gh_file_replace(p->ctx, tmp, png)
+                                               : gh_fail(p->ctx, GH_SYSTEM, "%s: cannot be written: %s", png,
+                                                         cairo_status_to_string(s));
+  free(tmp);
+  return status;
+}
+
+/* Fits [low, high] into the pixels [x, x + w] x [y, y + h], in the middle. */
+void scene_page_fit(scene_page *p, const double low[2], const double high[2], double x, double y, double w,
+                    double h) {
+  double size[2] = {fmax(high[0] - low[0], 1e-300), fmax(high[1] - low[1], 1e-300)};
+  p->scale = fmin(w / size[0], h / size[1]);
+  p->low[0] = low[0], p->low[1] = low[1];
+  p->left = x + 0.5 * (w - p->scale * size[0]);
+  p->bottom = y + h - 0.5 * (h - p->scale * size[1]);
+}
+
+double scene_px(const scene_page *p, double x) {
+  return p->left + p->scale * (x - p->low[0]);
+}
+double scene_py(const scene_page *p, double y) {
+  return p->bottom - p->scale * (y - p->low[1]);
+}
+
+/* Text at (x, y), `align` of its width to the left of x: 0 starts there, 0.5 is centred, 1 ends there. */
+void scene_page_text(scene_page *p, double x, double y, double size, double align, const char *text) {
+  cairo_text_extents_t e;
+  cairo_set_font_size(p->c, size);
+  cairo_text_extents(p->c, text, &e);
+  cairo_move_to(p->c, x - align * e.x_advance, y);
+  cairo_show_text(p->c, text);
+}
+
+/* "label (unit)", or the label alone. */
+const char *scene_label(char out[160], const char *name, const char *unit) {
+  snprintf(out, 160, *unit ? "%s (%s)" : "%s", name, unit);
+  return out;
+}
+
+/* A step of 1, 2 or 5 times a power of ten that divides `range` into about five. */
+double scene_tick_step(double range) {
+  double raw = range / 5, power = pow(10, floor(log10(raw))), x = raw / power;
+  return power * (x < 1.5 ? 1 : x < 3.5 ? 2 : x < 7.5 ? 5 : 10);
+}
+
+void scene_colour_bar(scene_page *p, double low, double high, const char *title) {
+  double x = p->width - 130, y = 90, h = p->height - 180, w = 24;
+  for (int k = 0; k < (int)h; k++) {
+    double rgb[3];
+    scene_colour(1 - k / h, rgb);
+    cairo_set_source_rgb(p->c, rgb[0], rgb[1], rgb[2]);
+    cairo_rectangle(p->c, x, y + k, w, 1.5);
+    cairo_fill(p->c);
+  }
+  cairo_set_source_rgb(p->c, 0.2, 0.2, 0.2);
+  cairo_set_line_width(p->c, 1);
+  cairo_rectangle(p->c, x, y, w, h);
+  cairo_stroke(p->c);
+  scene_page_text(p, p->width - 20, y - 22, 16, 1, title);
+  double step = scene_tick_step(high - low);
+  for (double v = ceil(low / step - 1e-9) * step; v <= high + 1e-9 * step; v += step) {
+    char text[32];
+    double at = y + h - h * (v - low) / (high - low);
+    snprintf(text, sizeof text, "%.6g", fabs(v) < 1e-9 * step ? 0 : v);
+    cairo_move_to(p->c, x + w, at);
+    cairo_line_to(p->c, x + w + 5, at);
+    cairo_stroke(p->c);
+    scene_page_text(p, x + w + 10, at + 5, 14, 0, text);
+  }
+}

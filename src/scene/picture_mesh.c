@@ -1,0 +1,214 @@
+/* The deformed mesh, coloured by the von Mises stress. SPDX-License-Identifier: GPL-2.0-or-later */
+#include "scene/page.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+/* The last increment of results.h5. */
+typedef struct mesh_data {
+  size_t nnodes, nelements;
+  double *X, *u, *mises; /* X and u: nnodes x 3 */
+  int *quad;
+  int last; /* increment */
+  double time;
+} mesh_data;
+
+/* Number of the last increment in results.h5. */
+static int last_step(gh_h5 *file) {
+  char name[64];
+  size_t rows, cols;
+  for (int k = 0;; k++) {
+    snprintf(name, sizeof name, "/step%04d/displacement", k);
+    if (gh_h5_size(file, name, &rows, &cols) != GH_OK) return k - 1;
+  }
+}
+
+static void mesh_data_free(mesh_data *d) {
+  free(d->X);
+  free(d->u);
+  free(d->mises);
+  free(d->quad);
+}
+
+static gh_status mesh_data_read(gh_context *ctx, const char *folder, mesh_data *d) {
+  gh_h5 *file = NULL;
+  char name[64];
+  size_t rows;
+  gh_status status;
+  *d = (mesh_data){0};
+  GH_TRY(scene_open_h5(ctx, folder, "results.h5", &file));
+  d->last = last_step(file);
+  if (d->last < 0) {
+    status = gh_fail(ctx, GH_INPUT, "%s/results.h5 holds no increment", folder);
+    goto done;
+  }
+  GH_TRY_OR(scene_get_doubles(ctx, file, "/mesh/coordinates", &d->nnodes, 3, &d->X), done);
+  GH_TRY_OR(scene_get_ints(ctx, file, "/mesh/cells", &d->nelements, 4, &d->quad), done);
+  snprintf(name, sizeof name, "/step%04d/displacement", d->last);
+  GH_TRY_OR(scene_get_doubles(ctx, file, name, &rows, 3, &d->u), done);
+  snprintf(name, sizeof name, "/step%04d/von_mises", d->last);
+  GH_TRY_OR(scene_get_doubles(ctx, file, name, &rows, 1, &d->mises), done);
+  snprintf(name, sizeof name, "/step%04d/time", d->last);
+  GH_TRY_OR(gh_h5_get_doubles(file, name, 1, 1, &d->time), done);
+done:
+  gh_h5_close(&file);
+  return status;
+}
+
+/* ---- drawing ---- */
+
+static void outline(scene_page *p, const mesh_data *d, size_t e, double factor) {
+  for (int a = 0; a < 4; a++) {
+    int n = d->quad[4 * e + (size_t)a];
+    double x = scene_px(p, d->X[3 * n] + factor * d->u[3 * n]),
+           y = scene_py(p, d->X[3 * n + 1] + factor * d->u[3 * n + 1]);
+    if (a == 0) cairo_move_to(p->c, x, y);
+    else cairo_line_to(p->c, x, y);
+  }
+  cairo_close_path(p->c);
+}
+
+/* The element as small flat patches: the value is bilinear between the corners. */
+static void fill_element(scene_page *p, const mesh_data *d, size_t e, double factor, double low,
+                         double high) {
+  enum { PATCHES = 24 };
+  cairo_set_antialias(p->c, CAIRO_ANTIALIAS_NONE); /* no seams between the patches */
+  for (int i = 0; i < PATCHES; i++)
+    for (int j = 0; j < PATCHES; j++) {
+      double rgb[3], value = 0, half = 0.5 / PATCHES, s = (i + 0.5) / PATCHES, t = (j + 0.5) / PATCHES;
+      double N[4] = {(1 - s) * (1 - t), s * (1 - t), s * t, (1 - s) * t};
+      for (int a = 0; a < 4; a++) value += N[a] * d->mises[d->quad[4 * e + (size_t)a]];
+      scene_colour((value - low) / (high - low), rgb);
+      cairo_set_source_rgb(p->c, rgb[0], rgb[1], rgb[2]);
+      for (int k = 0; k < 4; k++) {
+        double ss = s + (k == 1 || k == 2 ? half : -half) * 1.05, tt = t + (k >= 2 ? half : -half) * 1.05,
+               x = 0, y = 0;
+        double M[4] = {(1 - ss) * (1 - tt), ss * (1 - tt), ss * tt, (1 - ss) * tt};
+        for (int a = 0; a < 4; a++) {
+          int n = d->quad[4 * e + (size_t)a];
+          x += M[a] * (d->X[3 * n] + factor * d->u[3 * n]);
+          y += M[a] * (d->X[3 * n + 1] + factor * d->u[3 * n + 1]);
+        }
+        if (k == 0) cairo_move_to(p->c, scene_px(p, x), scene_py(p, y));
+        else cairo_line_to(p->c, scene_px(p, x), scene_py(p, y));
+      }
+      cairo_close_path(p->c);
+      cairo_fill(p->c);
+    }
+  cairo_set_antialias(p->c, CAIRO_ANTIALIAS_DEFAULT);
+}
+
+/* The undeformed body. */
+static gh_status draw_body(scene_page *p, const mesh_data *d) {
+  scene_edge *edges;
+  int count;
+  GH_TRY(scene_boundary_edges(p->ctx, (int)d->nelements, (const int(*)[4])d->quad, &edges, &count));
+  for (int k = 0; k < count; k++) {
+    int a = edges[k].a, b = edges[k].b;
+    cairo_move_to(p->c, scene_px(p, d->X[3 * a]), scene_py(p, d->X[3 * a + 1]));
+    cairo_line_to(p->c, scene_px(p, d->X[3 * b]), scene_py(p, d->X[3 * b + 1]));
+  }
+  cairo_stroke(p->c);
+  free(edges);
+  return GH_OK;
+}
+
+/* Coordinates of the undeformed body along the lower and the left side. */
+static void draw_axes(scene_page *p, const double low[2], const double high[2], const char *unit) {
+  double bottom = p->height - 75, left = 85;
+  char text[160];
+  for (int i = 0; i < 2; i++) {
+    double step = scene_tick_step(high[i] - low[i]);
+    for (double v = ceil(low[i] / step - 1e-9) * step; v <= high[i] + 1e-9 * step; v += step) {
+      snprintf(text, sizeof text, "%.6g", fabs(v) < 1e-9 * step ? 0 : v);
+      double x = i ? left : scene_px(p, v), y = i ? scene_py(p, v) : bottom;
+      cairo_move_to(p->c, x, y);
+      cairo_line_to(p->c, x - (i ? 5 : 0), y + (i ? 0 : 5));
+      cairo_stroke(p->c);
+      scene_page_text(p, i ? x - 10 : x, i ? y + 5 : y + 22, 14, i ? 1 : 0.5, text);
+    }
+    cairo_move_to(p->c, i ? left : scene_px(p, low[0]), i ? scene_py(p, low[1]) : bottom);
+    cairo_line_to(p->c, i ? left : scene_px(p, high[0]), i ? scene_py(p, high[1]) : bottom);
+    cairo_stroke(p->c);
+  }
+  scene_page_text(p, 0.5 * (scene_px(p, low[0]) + scene_px(p, high[0])), bottom + 48, 16, 0.5,
+                  scene_label(text, "x", unit));
+  cairo_save(p->c);
+  cairo_translate(p->c, 32, 0.5 * (scene_py(p, low[1]) + scene_py(p, high[1])));
+  cairo_rotate(p->c, -acos(-1) / 2);
+  scene_page_text(p, 0, 0, 16, 0.5, scene_label(text, "y", unit));
+  cairo_restore(p->c);
+}
+
+static void range(const double *value, size_t n, double *low, double *high) {
+  *low = INFINITY, *high = -INFINITY;
+  for (size_t k = 0; k < n; k++) *low = fmin(*low, value[k]), *high = fmax(*high, value[k]);
+  if (!(*high > *low)) *high = *low + 1e-12 + 1e-6 * fabs(*low);
+}
+
+/* 1, 2 or 5 times a power of ten by which displacements are drawn larger, so that the largest is about 4 % of
+ * the mesh; 1 where they are large enough. */
+static double enlargement(const mesh_data *d, const double size[2]) {
+  double most = 0;
+  for (size_t n = 0; n < d->nnodes; n++) most = fmax(most, hypot(d->u[3 * n], d->u[3 * n + 1]));
+  double wanted = 0.04 * fmax(size[0], size[1]) / fmax(most, 1e-300);
+  if (wanted < 1.5 || most == 0) return 1;
+  double power = pow(10, floor(log10(wanted))), x = wanted / power;
+  return power * (x < 2 ? 1 : x < 5 ? 2 : 5);
+}
+
+/* Box around the undeformed (factor 0) or the drawn body. */
+static void box(const mesh_data *d, double factor, double low[2], double high[2]) {
+  for (size_t i = 0; i < 2; i++) low[i] = INFINITY, high[i] = -INFINITY;
+  for (size_t n = 0; n < d->nnodes; n++)
+    for (size_t i = 0; i < 2; i++) {
+      double x = d->X[3 * n + i] + factor * d->u[3 * n + i];
+      low[i] = fmin(low[i], x), high[i] = fmax(high[i], x);
+    }
+}
+
+static gh_status draw_mesh(scene_page *p, const mesh_data *d, const scene_labels *l) {
+  double low[2], high[2], drawn_low[2], drawn_high[2], from, to;
+  box(d, 0, low, high);
+  double factor = enlargement(d, (double[2]){high[0] - low[0], high[1] - low[1]});
+  box(d, factor, drawn_low, drawn_high);
+  for (int i = 0; i < 2; i++)
+    drawn_low[i] = fmin(low[i], drawn_low[i]), drawn_high[i] = fmax(high[i], drawn_high[i]);
+  scene_page_fit(p, drawn_low, drawn_high, 95, 90, p->width - 285, p->height - 175);
+  range(d->mises, d->nnodes, &from, &to);
+  for (size_t e = 0; e < d->nelements; e++) fill_element(p, d, e, factor, from, to);
+  cairo_set_source_rgba(p->c, 1, 1, 1, 0.8);
+  cairo_set_line_width(p->c, d->nelements < 400 ? 1.5 : 0.5);
+  for (size_t e = 0; e < d->nelements; e++) outline(p, d, e, factor);
+  cairo_stroke(p->c);
+  cairo_set_source_rgb(p->c, 0.35, 0.35, 0.35);
+  cairo_set_line_width(p->c, 1.2);
+  cairo_set_dash(p->c, (double[]){5, 5}, 2, 0);
+  GH_TRY(draw_body(p, d));
+  cairo_set_dash(p->c, NULL, 0, 0);
+  char text[256], name[160];
+  cairo_set_source_rgb(p->c, 0.1, 0.1, 0.1);
+  draw_axes(p, low, high, l->length);
+  scene_page_text(p, 40, 36, 20, 0, *l->title ? l->title : "Deformed mesh");
+  snprintf(text, sizeof text, "increment %d, displacements drawn %g times; dashed: undeformed", d->last,
+           factor);
+  scene_page_text(p, 40, 62, 15, 0, text);
+  scene_colour_bar(p, from, to, scene_label(name, "von Mises stress", l->stress));
+  return GH_OK;
+}
+
+gh_status gh_picture_mesh(gh_context *ctx, const char *folder, const char *png) {
+  mesh_data d;
+  scene_page p;
+  scene_labels l;
+  GH_TRY(scene_labels_read(ctx, folder, &l));
+  gh_status status = mesh_data_read(ctx, folder, &d);
+  if (status == GH_OK) {
+    status = scene_page_open(ctx, &p, 1000, 800);
+    if (status == GH_OK) status = draw_mesh(&p, &d, &l);
+    if (status == GH_OK) status = scene_page_write(&p, png);
+    scene_page_close(&p);
+  }
+  mesh_data_free(&d);
+  return status;
+}

@@ -1,0 +1,205 @@
+/* The grains of one material point with their network of forces. SPDX-License-Identifier: GPL-2.0-or-later */
+#include "scene/page.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+static const double PI = 3.14159265358979323846;
+
+typedef struct rve_data {
+  int point, step, periodic;
+  size_t n, ncontacts;
+  double *x, *radius, *contact; /* contact: branch and force, ncontacts x 4 */
+  int *flags, *pairs;
+  double cell[4], low[2], cauchy[4];
+} rve_data;
+
+static void rve_data_free(rve_data *d) {
+  free(d->x);
+  free(d->radius);
+  free(d->contact);
+  free(d->flags);
+  free(d->pairs);
+}
+
+/* The recorded point with the largest von Mises stress; -1 when none is recorded. */
+static int most_loaded(gh_h5 *file, int points) {
+  int best = -1;
+  double most = -1;
+  for (int k = 0; k < points; k++) {
+    char name[64];
+    double s[4];
+    snprintf(name, sizeof name, "/rve/%04d/cauchy", k);
+    if (gh_h5_get_doubles(file, name, 1, 4, s) != GH_OK) continue;
+    if (scene_mises(s) > most) most = scene_mises(s), best = k;
+  }
+  return best;
+}
+
+static gh_status rve_data_read(gh_context *ctx, const char *folder, int points, int point, rve_data *d) {
+  gh_h5 *file = NULL;
+  char name[64];
+  size_t rows, cols;
+  gh_status status;
+  *d = (rve_data){0};
+  GH_TRY(scene_open_h5(ctx, folder, "rves.h5", &file));
+  d->point = point >= 0 ? point : most_loaded(file, points);
+  snprintf(name, sizeof name, "/rve/%04d/cauchy", d->point);
+  if (d->point < 0 || gh_h5_size(file, name, &rows, &cols) != GH_OK) {
+    status = gh_fail(ctx, GH_INPUT,
+                     "%s/rves.h5: integration point %d is not recorded; there are %d, and `output: {rves: "
+                     "[...]}` of the scene chooses",
+                     folder, point, points);
+    goto done;
+  }
+#define AT(what) (snprintf(name, sizeof name, "/rve/%04d/%s", d->point, what), name)
+  GH_TRY_OR(scene_get_doubles(ctx, file, AT("positions"), &d->n, 2, &d->x), done);
+  GH_TRY_OR(scene_get_doubles(ctx, file, AT("radii"), &rows, 1, &d->radius), done);
+  GH_TRY_OR(scene_get_ints(ctx, file, AT("flags"), &rows, 1, &d->flags), done);
+  GH_TRY_OR(scene_get_ints(ctx, file, AT("contact_pairs"), &d->ncontacts, 2, &d->pairs), done);
+  GH_TRY_OR(scene_get_doubles(ctx, file, AT("contact_branch_force"), &rows, 4, &d->contact), done);
+  GH_TRY_OR(gh_h5_get_doubles(file, AT("cell"), 1, 4, d->cell), done);
+  GH_TRY_OR(gh_h5_get_doubles(file, AT("low"), 1, 2, d->low), done);
+  GH_TRY_OR(gh_h5_get_doubles(file, AT("cauchy"), 1, 4, d->cauchy), done);
+  GH_TRY_OR(gh_h5_get_ints(file, AT("periodic"), 1, 1, &d->periodic), done);
+  GH_TRY_OR(gh_h5_get_ints(file, "/step", 1, 1, &d->step), done);
+#undef AT
+done:
+  gh_h5_close(&file);
+  return status;
+}
+
+/* The shift (in lattice vectors) that brings x into the cell; zero for clusters. */
+static void home(const rve_data *d, const double *x, double shift[2]) {
+  double inverse[4], s[2] = {x[0] - d->low[0], x[1] - d->low[1]};
+  shift[0] = shift[1] = 0;
+  if (!d->periodic) return;
+  gh_inv2(d->cell, inverse);
+  gh_apply2(inverse, s, s);
+  double k[2] = {-floor(s[0]), -floor(s[1])};
+  gh_apply2(d->cell, k, shift);
+}
+
+/* Calls draw for x itself and, in a periodic cell, for all images that reach into the page. */
+static void draw_grains(scene_page *p, const rve_data *d) {
+  for (size_t n = 0; n < d->n; n++) {
+    double shift[2];
+    home(d, d->x + 2 * n, shift);
+    int images = d->periodic ? 1 : 0;
+    for (int i = -images; i <= images; i++)
+      for (int j = -images; j <= images; j++) {
+        double x = d->x[2 * n] + shift[0] + i * d->cell[0] + j * d->cell[1];
+        double y = d->x[2 * n + 1] + shift[1] + i * d->cell[2] + j * d->cell[3];
+        bool replica = i || j || (d->flags[n] & 4), rattler = d->flags[n] & 1;
+        double grey = rattler ? 1.0 : replica ? 0.93 : 0.84;
+        cairo_arc(p->c, scene_px(p, x), scene_py(p, y), p->scale * d->radius[n], 0, 2 * PI);
+        cairo_set_source_rgb(p->c, grey, grey, grey);
+        cairo_fill_preserve(p->c);
+        cairo_set_source_rgb(p->c, replica ? 0.8 : 0.55, replica ? 0.8 : 0.55, replica ? 0.8 : 0.55);
+        cairo_set_line_width(p->c, 0.8);
+        cairo_stroke(p->c);
+      }
+  }
+}
+
+static double largest_force(const rve_data *d) {
+  double most = 0;
+  for (size_t k = 0; k < d->ncontacts; k++)
+    most = fmax(most, hypot(d->contact[4 * k + 2], d->contact[4 * k + 3]));
+  return most;
+}
+
+enum { THICKEST = 14 }; /* pixels of the largest force */
+
+static void force_line(scene_page *p, const double a[2], const double l[2], double share) {
+  double rgb[3];
+  scene_colour(0.85 * share, rgb);
+  cairo_set_source_rgb(p->c, rgb[0], rgb[1], rgb[2]);
+  cairo_set_line_width(p->c, fmax(THICKEST * share, 0.4));
+  cairo_move_to(p->c, scene_px(p, a[0]), scene_py(p, a[1]));
+  cairo_line_to(p->c, scene_px(p, a[0] + l[0]), scene_py(p, a[1] + l[1]));
+  cairo_stroke(p->c);
+}
+
+/* Each force from centre to centre; in a periodic cell from both grains, so that those across the frame show
+ * on both sides. */
+static void draw_forces(scene_page *p, const rve_data *d, double most) {
+  for (size_t k = 0; k < d->ncontacts && most > 0; k++) {
+    const double *c = d->contact + 4 * k,
+                 *x[2] = {d->x + 2 * d->pairs[2 * k], d->x + 2 * d->pairs[2 * k + 1]};
+    for (int end = 0; end < (d->periodic ? 2 : 1); end++) {
+      double shift[2], sign = end ? -1 : 1;
+      home(d, x[end], shift);
+      force_line(p, (double[2]){x[end][0] + shift[0], x[end][1] + shift[1]},
+                 (double[2]){sign * c[0], sign * c[1]}, hypot(c[2], c[3]) / most);
+    }
+  }
+}
+
+static void draw_frame(scene_page *p, const rve_data *d) {
+  static const double at[4][2] = {{0, 0}, {1, 0}, {1, 1}, {0, 1}};
+  for (int k = 0; k < 4; k++) {
+    double v[2];
+    gh_apply2(d->cell, at[k], v);
+    if (k == 0) cairo_move_to(p->c, scene_px(p, d->low[0] + v[0]), scene_py(p, d->low[1] + v[1]));
+    else cairo_line_to(p->c, scene_px(p, d->low[0] + v[0]), scene_py(p, d->low[1] + v[1]));
+  }
+  cairo_close_path(p->c);
+  cairo_set_source_rgb(p->c, 0.8, 0.15, 0.1);
+  cairo_set_line_width(p->c, 2);
+  cairo_stroke(p->c);
+}
+
+static void rve_fit(scene_page *p, const rve_data *d) {
+  double low[2] = {INFINITY, INFINITY}, high[2] = {-INFINITY, -INFINITY}, radius = 0;
+  for (size_t n = 0; n < d->n; n++) radius = fmax(radius, d->radius[n]);
+  for (int k = 0; k < 4; k++) {
+    double corner[2] = {k & 1, k >> 1};
+    gh_apply2(d->cell, corner, corner);
+    for (int i = 0; i < 2; i++)
+      low[i] = fmin(low[i], d->low[i] + corner[i]), high[i] = fmax(high[i], d->low[i] + corner[i]);
+  }
+  for (int i = 0; i < 2; i++) low[i] -= radius, high[i] += radius;
+  scene_page_fit(p, low, high, 20, 120, p->width - 40, p->height - 140);
+  cairo_rectangle(p->c, scene_px(p, low[0]), scene_py(p, high[1]), p->scale * (high[0] - low[0]),
+                  p->scale * (high[1] - low[1]));
+}
+
+static void draw_rve(scene_page *p, const rve_data *d, const scene_labels *l) {
+  double most = largest_force(d);
+  char text[256];
+  rve_fit(p, d);
+  cairo_save(p->c);
+  cairo_clip(p->c);
+  draw_grains(p, d);
+  draw_forces(p, d, most);
+  draw_frame(p, d);
+  cairo_restore(p->c);
+  cairo_set_source_rgb(p->c, 0.1, 0.1, 0.1);
+  snprintf(text, sizeof text, "Integration point %d (element %d), increment %d", d->point, d->point / 4,
+           d->step);
+  scene_page_text(p, 24, 36, 20, 0, text);
+  snprintf(text, sizeof text,
+           "%s: width of lines ~ contact force, largest %.3g%s%s; white grains: rattlers; red: cell",
+           d->ncontacts ? "Force network" : "No contacts", most, *l->force ? " " : "", l->force);
+  scene_page_text(p, 24, 64, 15, 0, text);
+  snprintf(text, sizeof text, "Cauchy stress  s11 = %.3g,  s22 = %.3g,  s12 = %.3g%s%s", d->cauchy[0],
+           d->cauchy[3], d->cauchy[1], *l->stress ? " " : "", l->stress);
+  scene_page_text(p, 24, 90, 15, 0, text);
+}
+
+gh_status gh_picture_rve(gh_context *ctx, const char *folder, int point, const char *png) {
+  rve_data d;
+  scene_page p;
+  scene_labels l;
+  GH_TRY(scene_labels_read(ctx, folder, &l));
+  gh_status status = rve_data_read(ctx, folder, l.points, point, &d);
+  if (status == GH_OK) {
+    status = scene_page_open(ctx, &p, 900, 1000);
+    if (status == GH_OK) draw_rve(&p, &d, &l);
+    if (status == GH_OK) status = scene_page_write(&p, png);
+    scene_page_close(&p);
+  }
+  rve_data_free(&d);
+  return status;
+}

@@ -1,0 +1,61 @@
+#!/bin/sh
+# A run that is killed at any moment leaves the complete increments readable; a run that is asked to stop says so and ends with exit status 1.
+# SPDX-License-Identifier: GPL-2.0-or-later
+set -u
+granhom=$(pwd)/${BUILD:-build}/granhom
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+failed=0
+say() { if [ "$1" = 0 ]; then echo "ok - $2"; else echo "not ok - $2"; failed=1; fi; }
+
+# 2000 short increments, so that the end does not come before the signal
+sed -e 's/increments: 30/increments: 2000/' -e "s|block150.data|$(pwd)/scenes/block/block150.data|" scenes/block/p02_taylor.yaml >"$work/long.yaml"
+cat >"$work/check.py" <<'E'
+import csv, json, os, sys
+import h5py
+import meshio
+os.chdir(sys.argv[1])
+rows = list(csv.DictReader(open("history.csv")))
+assert len(rows) > 1 and all(None not in r.values() and None not in r for r in rows)
+with h5py.File("results.h5") as h5:
+    steps = [name for name in h5 if name.startswith("step")]
+    assert len(rows) <= len(steps) <= len(rows) + 1, (len(rows), len(steps))
+    for name in steps:
+        assert h5[f"{name}/points/acoustic"][:].shape == (36,) and h5[f"{name}/displacement"][:].shape == (16, 3)
+with meshio.xdmf.TimeSeriesReader("results.xdmf") as reader:
+    reader.read_points_cells()
+    assert len(rows) <= reader.num_steps <= len(steps)
+    reader.read_data(reader.num_steps - 1)
+with h5py.File("rves.h5") as h5:
+    assert len(h5["/rve"]) == 36
+assert json.load(open("run.json"))["status"] == sys.argv[2]
+E
+
+# waits until the run has written some increments
+begun() {
+  for _ in $(seq 200); do
+    [ "$(wc -l 2>/dev/null <"$1/history.csv" || echo 0)" -gt 5 ] && return 0
+    sleep 0.1
+  done
+  return 1
+}
+
+for delay in 0 0.013 0.029; do
+  "$granhom" run "$work/long.yaml" -o "$work/kill$delay" --quiet >/dev/null 2>&1 &
+  pid=$!
+  begun "$work/kill$delay"; say $? "the run is under way ($delay)"
+  sleep $delay
+  kill -9 $pid
+  wait $pid 2>/dev/null
+  /usr/bin/python3 "$work/check.py" "$work/kill$delay" running; say $? "killed after $delay s: all complete increments are readable"
+done
+
+"$granhom" run "$work/long.yaml" -o "$work/stop" --quiet >/dev/null 2>"$work/err" &
+pid=$!
+begun "$work/stop"; say $? 'the run is under way (stop)'
+kill -TERM $pid
+wait $pid
+[ $? = 1 ]; say $? 'a run that is asked to stop ends with exit status 1'
+grep -q '^granhom: stopped on request' "$work/err"; say $? 'and says so'
+/usr/bin/python3 "$work/check.py" "$work/stop" 'the operating system refused'; say $? 'and leaves complete results'
+exit $failed
