@@ -1,5 +1,5 @@
-/* What the subcommands share: context with log and progress on standard error, MPI. SPDX-License-Identifier:
- * GPL-2.0-or-later */
+/* What the subcommands share: context with log and progress on standard error, MPI.
+ * SPDX-License-Identifier: GPL-2.0-or-later */
 #include "cli.h"
 
 #include <mpi.h>

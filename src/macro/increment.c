@@ -40,6 +40,8 @@ typedef struct walk {
   double t, dt;
   int level, stuck;     /* stuck: jumps in a row without progress */
   double jump_residual; /* smallest beyond a jump so far */
+  double change; /* departure of a stress from its linear prediction when a part failed last; INFINITY: none
+                    did */
 } walk;
 
 static gh_status succeed(gh_macro *m, const gh_attempt *a, int iterations, walk *w, gh_macro_report *r) {
@@ -49,6 +51,7 @@ static gh_status succeed(gh_macro *m, const gh_attempt *a, int iterations, walk 
   r->relative = a->residual > 0 ? a->residual / a->scale : 0;
   w->t = a->t;
   w->stuck = 0;
+  w->change = INFINITY;
   /* Parts grow on the grid of halves, quarters, ..., so that they end at 1 and are never cut finer than the
    * option says. */
   if (w->level > 0 && 2 * iterations <= m->options.max_iterations && fmod(w->t, 2 * w->dt) == 0) {
@@ -73,6 +76,7 @@ static gh_status pass_jump(gh_macro *m, gh_attempt *a, walk *w, gh_macro_report 
   w->t = 0;
   w->dt = 1;
   w->level = 0;
+  w->change = INFINITY;
   r->jumps++;
   gh_log(m->ctx, GH_LEVEL_INFO,
          "passed a jump of the packings: integration point %d, stress changes by %.3g, %.3g out of balance",
@@ -80,13 +84,26 @@ static gh_status pass_jump(gh_macro *m, gh_attempt *a, walk *w, gh_macro_report 
   return GH_OK;
 }
 
+/* A smooth law departs from its linear prediction by a quarter when the part is halved, a jump by as much as
+ * before: then further cuts only spend time. Two cuts are made in any case. */
+static bool is_jump(const gh_macro *m, walk *w) {
+  bool stays = isfinite(m->jump.residual) && m->jump.change > 0.6 * w->change;
+  w->change = isfinite(m->jump.residual) ? m->jump.change : INFINITY;
+  return m->options.pass_jumps && w->level >= 2 && stays;
+}
+
+static void cut(walk *w, gh_macro_report *r) {
+  w->level++;
+  w->dt *= 0.5;
+  r->cuts++;
+}
+
 /* After a failed attempt: cut, or pass a jump, or give up. */
 static gh_status recover(gh_macro *m, gh_attempt *a, walk *w, gh_macro_report *r) {
   GH_TRY(gh_farm_revert(m->farm));
-  if (w->level < m->options.cut_steps) {
-    w->level++;
-    w->dt *= 0.5;
-    r->cuts++;
+  bool last = w->level >= m->options.cut_steps;
+  if (!is_jump(m, w) && !last) {
+    cut(w, r);
     return GH_OK;
   }
   char reason[512];
@@ -94,6 +111,10 @@ static gh_status recover(gh_macro *m, gh_attempt *a, walk *w, gh_macro_report *r
   gh_status status = pass_jump(m, a, w, r);
   if (status != GH_DIVERGED) return status;
   GH_TRY(gh_farm_revert(m->farm));
+  if (!last) {
+    cut(w, r);
+    return GH_OK;
+  }
   gh_fail(m->ctx, status, "%s", reason);
   return gh_jump_explain(m, a, r);
 }
@@ -119,7 +140,7 @@ static gh_status advance(gh_macro *m, const gh_loads *loads, walk *w, gh_macro_r
 
 gh_status gh_macro_solve(gh_macro *m, const gh_loads *loads, gh_macro_report *report) {
   gh_macro_report unused, *r = report ? report : &unused;
-  walk w = {.dt = 1, .jump_residual = INFINITY};
+  walk w = {.dt = 1, .jump_residual = INFINITY, .change = INFINITY};
   *r = (gh_macro_report){0};
   m->begin = gh_seconds();
   m->micro_seconds = 0;

@@ -19,7 +19,7 @@ static const double decrease = 0.1;
  * the residual does not grow by more than `growth`: a step that is right in the soft directions may be wrong
  * in the stiff ones. */
 static const double slope = 0.5, growth = 2;
-enum { TRIALS = 7, WEAK_STEPS = 3 };
+enum { TRIALS = 5, WEAK_STEPS = 3 };
 /* Shortened steps in a row that do not halve the residual: the way it goes before a jump of a packing, where
  * each step ends at the near side. It is given up early, because a cut or a jump is what helps. */
 enum { SLOW_STEPS = 4 };

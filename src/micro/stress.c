@@ -47,7 +47,7 @@ static void direct_part(gh_rve *r, double A[16]) {
   double inverse[4];
   gh_inv2(r->F, inverse);
   memset(A, 0, 16 * sizeof *A);
-  if (r->relaxes) memset(s->rhs, 0, 4 * rows * sizeof *s->rhs);
+  if (rows > 0) memset(s->rhs, 0, 4 * rows * sizeof *s->rhs); /* there is none without unknown grains */
   for (int c = 0; c < r->ncontacts; c++) {
     const gh_contact *q = &r->contacts[c];
     if (r->relaxes && (r->rattlers->flag[q->i] || r->rattlers->flag[q->j])) continue;

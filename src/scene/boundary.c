@@ -1,4 +1,4 @@
-/* The outer boundary of a mesh. SPDX-License-Identifier: GPL-2.0-or-later */
+/* Edges: the outer boundary of a mesh, what sets have in common. SPDX-License-Identifier: GPL-2.0-or-later */
 #include "scene/internal.h"
 
 #include <stdlib.h>
@@ -27,4 +27,11 @@ gh_status scene_boundary_edges(gh_context *ctx, int nelements, const int (*quad)
     k = same;
   }
   return GH_OK;
+}
+
+bool scene_share_edges(const gh_mesh_set *a, const gh_mesh_set *b) {
+  for (int i = 0; i < a->nedges; i++)
+    for (int j = 0; j < b->nedges; j++)
+      if (a->edges[i][0] == b->edges[j][0] && a->edges[i][1] == b->edges[j][1]) return true;
+  return false;
 }

@@ -1,5 +1,5 @@
-/* history.csv and convergence.csv: one row per increment, one per residual. SPDX-License-Identifier:
- * GPL-2.0-or-later */
+/* history.csv and convergence.csv: one row per increment, one per residual.
+ * SPDX-License-Identifier: GPL-2.0-or-later */
 #include "scene/results.h"
 
 #include <stdlib.h>

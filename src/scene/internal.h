@@ -94,6 +94,8 @@ typedef struct scene_edge {
 gh_status scene_boundary_edges(gh_context *ctx, int nelements, const int (*quad)[4], scene_edge **edges,
                                int *count);
 
+bool scene_share_edges(const gh_mesh_set *a, const gh_mesh_set *b);
+
 /* results.c */
 typedef struct scene_results scene_results;
 /* One complete increment, as the results see it. */
@@ -110,8 +112,8 @@ gh_status scene_results_create(gh_scene *scene, gh_farm *farm, gh_macro *macro, 
 void scene_results_destroy(scene_results **results);
 void scene_results_iteration(scene_results *r, int counter, const gh_macro_iteration *it);
 gh_status scene_results_write(scene_results *r, const scene_frame *frame);
-/* Ends the record: status and message into run.json. */
-gh_status scene_results_close(scene_results *r, gh_status status, const char *message,
+/* Ends the record: outcome ("done", "stopped", ...) and message into run.json. */
+gh_status scene_results_close(scene_results *r, gh_status status, const char *outcome, const char *message,
                               const gh_run_summary *summary);
 int scene_results_unjammed(const scene_results *r, double *min_acoustic);
 

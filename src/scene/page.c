@@ -1,5 +1,5 @@
-/* A page of a picture: points of the plane to pixels, colours, text. SPDX-License-Identifier:
- * GPL-2.0-or-later */
+/* A page of a picture: points of the plane to pixels, colours, text.
+ * SPDX-License-Identifier: GPL-2.0-or-later */
 #include "scene/page.h"
 
 #include <stdlib.h>

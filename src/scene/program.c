@@ -176,14 +176,6 @@ static void begin_supports(gh_scene *s, const scene_step *step, const double *u,
   drive(s, step, u, start);
 }
 
-static bool shares_edges(const gh_scene *s, int a, int b) {
-  const gh_mesh_set *p = s->mesh->sets + a, *q = s->mesh->sets + b;
-  for (int i = 0; i < p->nedges; i++)
-    for (int j = 0; j < q->nedges; j++)
-      if (p->edges[i][0] == q->edges[j][0] && p->edges[i][1] == q->edges[j][1]) return true;
-  return false;
-}
-
 static void confine_edge(gh_scene *s, int set, bool follow) {
   s->present.pressure[set] = (scene_ramp){s->confinement, s->confinement, s->confinement};
   s->present.follow[set] = s->confinement_follow < 0 ? follow : s->confinement_follow;
@@ -204,7 +196,7 @@ static gh_status confine(gh_scene *s) {
     for (int e = 0; e < m->nedges && !wanted; e++) wanted = normal_is_free(s, m->edges[e][0], m->edges[e][1]);
     if (!wanted) continue;
     for (int other = 0; other < set; other++)
-      if (s->present.pressure[other].now != 0 && shares_edges(s, other, set))
+      if (s->present.pressure[other].now != 0 && scene_share_edges(s->mesh->sets + other, m))
         return gh_fail(
             s->ctx, GH_INPUT,
             "%s:%d: '%s' and '%s' share edges: say by the pressure of a step where the confinement acts",

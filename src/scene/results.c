@@ -1,5 +1,5 @@
-/* Results of a run: one folder of files, each whole after each increment. SPDX-License-Identifier:
- * GPL-2.0-or-later
+/* Results of a run: one folder of files, each whole after each increment.
+ * SPDX-License-Identifier: GPL-2.0-or-later
  *
  * results.h5      /mesh and one group per increment, /step0000 (the start) onwards
  * results.xdmf    the same for ParaView
@@ -125,13 +125,13 @@ gh_status scene_results_write(scene_results *r, const scene_frame *f) {
   return commit_text(r, r->convergence, "convergence.csv");
 }
 
-gh_status scene_results_close(scene_results *r, gh_status status, const char *message,
+gh_status scene_results_close(scene_results *r, gh_status status, const char *outcome, const char *message,
                               const gh_run_summary *summary) {
   if (status == GH_INPUT && !r->begun) return GH_OK; /* wrong input writes nothing */
   GH_TRY(begin(r));
   GH_TRY(commit_text(r, r->history, "history.csv"));
   GH_TRY(commit_text(r, r->convergence, "convergence.csv"));
-  return write_json(r, status == GH_OK ? "done" : gh_status_text(status), message, summary);
+  return write_json(r, outcome, message, summary);
 }
 
 gh_status scene_results_create(gh_scene *scene, gh_farm *farm, gh_macro *macro, const char *folder,

@@ -13,8 +13,9 @@ typedef struct run {
   scene_results *results;
   gh_run_summary sum;
   gh_work work;
-  int counter;             /* of increments, 0 the start */
-  int step, increment;     /* at work */
+  int counter;         /* of increments, 0 the start */
+  int step, increment; /* at work */
+  bool stopped;
   gh_macro_iteration last; /* of the increment at work */
 } run;
 
@@ -32,6 +33,7 @@ static void watch(void *data, const gh_macro_iteration *it) {
 
 static gh_status stopped(run *r) {
   if (!r->options || !r->options->stop || !r->options->stop(r->options->stop_data)) return GH_OK;
+  r->stopped = true;
   return gh_fail(
       r->ctx, GH_SYSTEM,
       "stopped on request before increment %d of %d of step '%s'; what was done is complete on disk",
@@ -179,7 +181,8 @@ static gh_status open_run(run *r, const char *folder) {
 static gh_status close_run(run *r, gh_status status) {
   char message[2048];
   snprintf(message, sizeof message, "%s", status == GH_OK ? "" : gh_message(r->ctx));
-  gh_status closed = scene_results_close(r->results, status, message, &r->sum);
+  const char *outcome = status == GH_OK ? "done" : r->stopped ? "stopped" : gh_status_text(status);
+  gh_status closed = scene_results_close(r->results, status, outcome, message, &r->sum);
   if (status == GH_OK) return closed;
   return gh_fail(r->ctx, status, "%s", message);
 }

@@ -1,5 +1,5 @@
-/* results.xdmf: XDMF 3 that tells ParaView and meshio what is in results.h5. SPDX-License-Identifier:
- * GPL-2.0-or-later */
+/* results.xdmf: XDMF 3 that tells ParaView and meshio what is in results.h5.
+ * SPDX-License-Identifier: GPL-2.0-or-later */
 #include "scene/internal.h"
 
 void scene_xdmf_begin(gh_text *out) {

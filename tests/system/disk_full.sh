@@ -8,8 +8,9 @@ trap 'rm -rf "$work"' EXIT
 failed=0
 say() { if [ "$1" = 0 ]; then echo "ok - $2"; else echo "not ok - $2"; failed=1; fi; }
 
-# the limit counts 512-byte blocks: results.h5 of the whole run is larger, its first increments are not
-(ulimit -f 1800; "$granhom" run scenes/block/p02_taylor.yaml -o "$work/out" --quiet >"$work/log" 2>"$work/err")
+# The limit counts blocks of 512 or 1024 bytes, as the shell likes: results.h5 of the whole run is larger than both, the other files are not.
+sed -e 's/increments: 30/increments: 110/' -e "s|block150.data|$(pwd)/scenes/block/block150.data|" scenes/block/p02_taylor.yaml >"$work/long.yaml"
+(ulimit -f 2000; "$granhom" run "$work/long.yaml" -o "$work/out" --quiet >"$work/log" 2>"$work/err")
 [ $? = 1 ]; say $? 'exit status 1'
 grep -q '^granhom: .*results.h5: cannot write: ' "$work/err"; say $? 'the message names file and reason'
 [ -z "$(find "$work/out" -name '*.tmp')" ]; say $? 'no half-written file is left'
@@ -18,7 +19,7 @@ import csv, json
 import h5py
 import meshio
 rows = list(csv.DictReader(open("history.csv")))
-assert 1 < len(rows) < 41, len(rows)
+assert 1 < len(rows) < 121, len(rows)
 with h5py.File("results.h5") as h5:
     steps = [name for name in h5 if name.startswith("step")]
     assert len(steps) == len(rows)

@@ -1,0 +1,36 @@
+/* What the readers of a scene share. SPDX-License-Identifier: GPL-2.0-or-later */
+#ifndef GRANHOM_SCENE_READ_H
+#define GRANHOM_SCENE_READ_H
+
+#include "scene/internal.h"
+
+typedef gh_yaml_node node;
+#define KEYS(...)                                                                                            \
+  (const char *const[]) {                                                                                    \
+    __VA_ARGS__, NULL                                                                                        \
+  }
+
+/* ---- read.c: values; all failures are GH_INPUT with file:line ---- */
+
+gh_status scene_copy_text(gh_context *ctx, const char *text, char **copy);
+/* The value of a key that must be there. */
+gh_status scene_need(node map, const char *what, const char *key, node *value);
+/* A map with no other keys than these. */
+gh_status scene_map(node n, const char *what, const char *const *keys);
+gh_status scene_number(node n, const char *what, double *value);
+/* Above 0. */
+gh_status scene_positive(node n, const char *what, double *value);
+gh_status scene_optional_bool(node map, const char *key, bool *value);
+/* Two numbers [x, y]. */
+gh_status scene_pair(node n, const char *what, double value[2]);
+/* Number of entries of an optional list. */
+gh_status scene_list_length(node list, const char *what, int *length);
+
+/* ---- read_steps.c ---- */
+
+/* [{edge: NAME, KEY: x|y|both}, ...]; key is `fix` or `free`. */
+gh_status scene_read_fixes(gh_scene *s, node list, const char *what, const char *key, scene_fix **fixes,
+                           int *count);
+gh_status scene_read_steps(gh_scene *s, node root);
+
+#endif
