@@ -62,14 +62,15 @@ static void gather(const gh_relax_state *s, const double *restrict pf) {
 
 double gh_relax_forces(gh_relax_state *s, double *mean_force) {
   int count;
-  double sum = pair_forces(s->pairs, s->npairs, s->stiffness, s->x, s->work, &count), largest = 0;
+  double sum = pair_forces(s->pairs, s->npairs, s->stiffness, s->x, s->work, &count), largest = 0, all = 0;
   gather(s, s->work);
   for (int i = 0; i < s->n; i++) {
     double f2 = s->f[2 * i] * s->f[2 * i] + s->f[2 * i + 1] * s->f[2 * i + 1];
     if (f2 > largest && !(s->held && s->held[i])) largest = f2;
+    all += f2;
   }
   *mean_force = count ? sum / count : 0;
-  return sqrt(largest);
+  return isfinite(all) ? sqrt(largest) : NAN; /* a comparison with NaN would pass over it */
 }
 
 double gh_relax_bound(double kxx, double kxy, double kyy) {
@@ -83,7 +84,7 @@ double gh_relax_time_step(double bound) {
 /* The quadratic form of a contact in the displacements of its two grains is at most twice the sum of those of
  * the grains' own blocks. Pairs that nearly touch count too: they may touch before the next bound. */
 static double time_step(const gh_relax_state *s) {
-  double *k = s->work + 2 * (size_t)s->npairs + 2 * (size_t)s->n, bound = s->stiffness;
+  double *k = s->work + 2 * (size_t)s->npairs + 2 * (size_t)s->n, bound = 4 * s->stiffness;
   memset(k, 0, 3 * (size_t)s->n * sizeof *k);
   for (int p = 0; p < s->npairs; p++) {
     const gh_pair *q = &s->pairs[p];
@@ -140,10 +141,11 @@ gh_relax_end gh_relax_run(gh_relax_state *s, double tolerance, double floor, lon
     double largest = gh_relax_forces(s, mean_force);
     ++*steps;
     *residual = *mean_force > 0 ? largest / *mean_force : 0;
+    if (!isfinite(largest)) return *residual = NAN, GH_RELAX_STEPS;
+    if (k > 0) s->damping = 2 * sqrt(rayleigh(s, old, dt));
+    if (far) return GH_RELAX_REBUILD; /* before anything is concluded: the list may miss contacts */
     if (*mean_force <= floor) return *residual = 0, GH_RELAX_UNJAMMED;
     if (*residual <= tolerance) return GH_RELAX_CONVERGED;
-    if (k > 0) s->damping = 2 * sqrt(rayleigh(s, old, dt));
-    if (far) return GH_RELAX_REBUILD;
     if (k + 1 >= max_steps) return GH_RELAX_STEPS;
     if (k % BOUND_EVERY == 0) dt = time_step(s);
     s->damping = fmax(s->damping, LEAST_DAMPING / dt);

@@ -71,11 +71,11 @@ static void outline(scene_page *p, const mesh_data *d, size_t e, double factor) 
 /* The element as small flat patches: the value is bilinear between the corners. */
 static void fill_element(scene_page *p, const mesh_data *d, size_t e, double factor, double low,
                          double high) {
-  enum { PATCHES = 24 };
+  const int patches = d->nelements < 100 ? 64 : 16;
   cairo_set_antialias(p->c, CAIRO_ANTIALIAS_NONE); /* no seams between the patches */
-  for (int i = 0; i < PATCHES; i++)
-    for (int j = 0; j < PATCHES; j++) {
-      double rgb[3], value = 0, half = 0.5 / PATCHES, s = (i + 0.5) / PATCHES, t = (j + 0.5) / PATCHES;
+  for (int i = 0; i < patches; i++)
+    for (int j = 0; j < patches; j++) {
+      double rgb[3], value = 0, half = 0.5 / patches, s = (i + 0.5) / patches, t = (j + 0.5) / patches;
       double N[4] = {(1 - s) * (1 - t), s * (1 - t), s * t, (1 - s) * t};
       for (int a = 0; a < 4; a++) value += N[a] * d->mises[d->quad[4 * e + (size_t)a]];
       scene_colour((value - low) / (high - low), rgb);
@@ -190,8 +190,10 @@ static gh_status draw_mesh(scene_page *p, const mesh_data *d, const scene_labels
   cairo_set_source_rgb(p->c, 0.1, 0.1, 0.1);
   draw_axes(p, low, high, l->length);
   scene_page_text(p, 40, 36, 20, 0, *l->title ? l->title : "Deformed mesh");
-  snprintf(text, sizeof text, "increment %d, displacements drawn %g times; dashed: undeformed", d->last,
-           factor);
+  if (factor == 1) snprintf(text, sizeof text, "increment %d; dashed: undeformed", d->last);
+  else
+    snprintf(text, sizeof text, "increment %d, displacements drawn %g times as large; dashed: undeformed",
+             d->last, factor);
   scene_page_text(p, 40, 62, 15, 0, text);
   scene_colour_bar(p, from, to, scene_label(name, "von Mises stress", l->stress));
   return GH_OK;

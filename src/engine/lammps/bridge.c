@@ -208,8 +208,10 @@ static gh_status make_box(bridge *e, int types) {
   GH_TRY(gh_lmp_command(ctx, lmp, "newton off"));
   GH_TRY(gh_lmp_command(ctx, lmp, "box tilt large"));
   GH_TRY(gh_lmp_command(ctx, lmp, "boundary %s", e->periodic ? "p p p" : "f f p"));
-  GH_TRY(gh_lmp_command(ctx, lmp, "region cell %s",
-                        e->periodic ? "prism 0 1 0 1 -0.5 0.5 0 0 0" : "block 0 1 0 1 -0.5 0.5"));
+  double z = 0; /* LAMMPS refuses a box that is thin against the reach of the contacts */
+  for (int i = 0; i < e->n; i++) z = fmax(z, e->radius[i]);
+  GH_TRY(gh_lmp_command(ctx, lmp, "region cell %s 0 1 0 1 %.17g %.17g%s", e->periodic ? "prism" : "block", -z, z,
+                        e->periodic ? " 0 0 0" : ""));
   return gh_lmp_command(ctx, lmp, "create_box %d cell", types);
 }
 

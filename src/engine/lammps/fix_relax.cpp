@@ -110,7 +110,7 @@ void FixRelax::begin() {
     if (atom->mask[i] & groupbit) std::fill(atom->v[i], atom->v[i] + 3, 0.0);
   fresh = compare = false;
   steps = rebuilds = 0;
-  residual = mean_force = vf = ff = vv = vf_before = 0;
+  residual = mean_force = damping = vf = ff = vv = vf_before = 0;
   builds_at_start = pair->builds;
   ended = RUNNING;
   ended_at = -1;
@@ -322,8 +322,10 @@ void FixRelax::run_kernel() {
   s.x = X.data(), s.v = V.data(), s.f = F.data(), s.x0 = X0.data(), s.work = work.data();
   s.slack = neighbor->skin / 2;
   s.started = steps > 0;
+  s.damping = damping;
   gh_relax_end how =
       gh_relax_run(&s, tolerance, floor_force, max_steps - steps, &residual, &mean_force, &steps);
+  damping = s.damping;
   for (std::size_t r = 0; r < n; r++) {
     if (held[r]) continue;
     for (std::size_t k = 0; k < 2; k++) {
@@ -412,7 +414,7 @@ void FixRelax::drive(bool periodic) {
 }
 
 void FixRelax::set_cell(double lx, double ly, double xy) {
-  const double low[3] = {0, 0, -0.5}, high[3] = {lx, ly, 0.5};
+  const double low[3] = {0, 0, domain->boxlo[2]}, high[3] = {lx, ly, domain->boxhi[2]};
   std::copy(low, low + 3, domain->boxlo);
   std::copy(high, high + 3, domain->boxhi);
   domain->xy = xy;

@@ -56,6 +56,7 @@ private:
 
   state ended;
   bool fresh; /* the next step begins a new relaxation */
+  double damping; /* of the kernel's last step, carried from list to list */
   double residual, mean_force;
   long steps, rebuilds, builds_at_start;
   LAMMPS_NS::bigint ended_at; /* time step */
