@@ -38,8 +38,8 @@ static gh_status commit(gh_macro *m, const gh_attempt *a) {
 /* How far the increment has come: the next part is [t, t + dt], cut `level` times. */
 typedef struct walk {
   double t, dt;
-  int level, stuck;     /* stuck: jumps in a row without progress */
-  double jump_residual; /* smallest beyond a jump so far */
+  int level, point, again; /* again: jumps in a row of the same point that did not halve the residual */
+  double jump_residual;    /* beyond the last jump */
   double change; /* departure of a stress from its linear prediction when a part failed last; INFINITY: none
                     did */
 } walk;
@@ -50,7 +50,7 @@ static gh_status succeed(gh_macro *m, const gh_attempt *a, int iterations, walk 
   r->residual = a->residual;
   r->relative = a->residual > 0 ? a->residual / a->scale : 0;
   w->t = a->t;
-  w->stuck = 0;
+  w->again = 0;
   w->change = INFINITY;
   /* Parts grow on the grid of halves, quarters, ..., so that they end at 1 and are never cut finer than the
    * option says. */
@@ -61,18 +61,19 @@ static gh_status succeed(gh_macro *m, const gh_attempt *a, int iterations, walk 
   return GH_OK;
 }
 
-enum { JUMPS = 20, STUCK = 5 };
+enum { JUMPS = 40, AGAIN = 8 };
 
 /* Commits the states beyond the jump and starts from there; the imbalance fades over the rest of the
  * increment. */
 static gh_status pass_jump(gh_macro *m, gh_attempt *a, walk *w, gh_macro_report *r) {
-  if (!m->options.pass_jumps || r->jumps == JUMPS || w->stuck == STUCK) return GH_DIVERGED;
+  if (!m->options.pass_jumps || r->jumps == JUMPS || w->again == AGAIN) return GH_DIVERGED;
   double residual = m->jump.residual;
   GH_TRY(gh_jump_take(m));
   GH_TRY(commit(m, a));
   GH_TRY(rebase(m, a->to, a->t));
-  w->stuck = residual < 0.99 * w->jump_residual ? 0 : w->stuck + 1;
-  w->jump_residual = fmin(w->jump_residual, residual);
+  w->again = m->jump.point != w->point || residual < 0.5 * w->jump_residual ? 0 : w->again + 1;
+  w->point = m->jump.point;
+  w->jump_residual = residual;
   w->t = 0;
   w->dt = 1;
   w->level = 0;
@@ -85,11 +86,15 @@ static gh_status pass_jump(gh_macro *m, gh_attempt *a, walk *w, gh_macro_report 
 }
 
 /* A smooth law departs from its linear prediction by a quarter when the part is halved, a jump by as much as
- * before: then further cuts only spend time. Two cuts are made in any case. */
-static bool is_jump(const gh_macro *m, walk *w) {
-  bool stays = isfinite(m->jump.residual) && m->jump.change > 0.6 * w->change;
-  w->change = isfinite(m->jump.residual) ? m->jump.change : INFINITY;
-  return m->options.pass_jumps && w->level >= 2 && stays;
+ * before: then further cuts only spend time, and two are enough to tell. An increment that has met one jump
+ * meets more of them, and each is passed at once, unless it is the same point again: a packing that is thrown
+ * to and fro by long steps settles on one side when it is led there in short ones. */
+static bool is_jump(const gh_macro *m, walk *w, int jumps) {
+  bool candidate = m->options.pass_jumps && isfinite(m->jump.residual),
+       stays = m->jump.change > 0.6 * w->change;
+  w->change = candidate ? m->jump.change : INFINITY;
+  if (w->again > 0) return candidate && w->level >= 2 + w->again;
+  return candidate && (jumps > 0 || (w->level >= 2 && stays));
 }
 
 static void cut(walk *w, gh_macro_report *r) {
@@ -102,7 +107,7 @@ static void cut(walk *w, gh_macro_report *r) {
 static gh_status recover(gh_macro *m, gh_attempt *a, walk *w, gh_macro_report *r) {
   GH_TRY(gh_farm_revert(m->farm));
   bool last = w->level >= m->options.cut_steps;
-  if (!is_jump(m, w) && !last) {
+  if (!is_jump(m, w, r->jumps) && !last) {
     cut(w, r);
     return GH_OK;
   }
@@ -140,7 +145,7 @@ static gh_status advance(gh_macro *m, const gh_loads *loads, walk *w, gh_macro_r
 
 gh_status gh_macro_solve(gh_macro *m, const gh_loads *loads, gh_macro_report *report) {
   gh_macro_report unused, *r = report ? report : &unused;
-  walk w = {.dt = 1, .jump_residual = INFINITY, .change = INFINITY};
+  walk w = {.dt = 1, .point = -1, .jump_residual = INFINITY, .change = INFINITY};
   *r = (gh_macro_report){0};
   m->begin = gh_seconds();
   m->micro_seconds = 0;
