@@ -4,21 +4,23 @@
 
 #include "granhom/base.h"
 
-/* A subcommand: its words, its help and the function that does it. argv[0] is the subcommand's name. Returns the exit status. */
+/* A subcommand: its words, its help and the function that does it. argv[0] is the subcommand's name. Returns
+ * the exit status. */
 typedef struct cli_command {
   const char *name, *summary, *help; /* help: usage and every option */
   int (*run)(int argc, char **argv);
 } cli_command;
 extern const cli_command cli_rve, cli_run, cli_plot, cli_lammps;
 
-/* A context whose log and progress go to standard error: a rewritten line on a terminal, plain lines at most every ten seconds elsewhere. NULL (after a message) when
- * there is no memory. */
+/* A context whose log and progress go to standard error: a rewritten line on a terminal, plain lines at most
+ * every ten seconds elsewhere. NULL (after a message) when there is no memory. */
 gh_context *cli_open(void);
 /* Prints "granhom: message" on standard error if s is not GH_OK; frees ctx; returns the exit status. */
 int cli_close(gh_context *ctx, gh_status s);
 /* Prints "granhom NAME: message" and how to get help; returns 2. */
 int cli_usage(const cli_command *command, const char *format, ...) GH_PRINTF(2, 3);
-/* MPI_Init for commands that need MPI (LAMMPS, HDF5), MPI_Finalize at exit. GH_INPUT when started on more than one rank and `single` is set. */
+/* MPI_Init for commands that need MPI (LAMMPS, HDF5), MPI_Finalize at exit. GH_INPUT when started on more
+ * than one rank and `single` is set. */
 gh_status cli_mpi(gh_context *ctx, bool single);
 
 #endif

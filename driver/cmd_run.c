@@ -10,12 +10,20 @@ typedef struct run_arguments {
   bool explain, quiet;
 } run_arguments;
 
-/* Set by the first SIGINT or SIGTERM, asked between increments. */
+/* Set by the first SIGINT or SIGTERM, asked before each material point. */
 static volatile sig_atomic_t stop_wanted;
 
 static void on_signal(int number) {
+  (void)number;
   stop_wanted = 1;
-  signal(number, SIG_DFL); /* a second one ends the program at once: files on disk are whole at any time */
+}
+
+/* A second signal ends the program at once: files on disk are whole at any time. */
+static void catch_signals(void) {
+  struct sigaction action = {.sa_handler = on_signal, .sa_flags = SA_RESTART | (int)SA_RESETHAND};
+  sigemptyset(&action.sa_mask);
+  sigaction(SIGINT, &action, NULL);
+  sigaction(SIGTERM, &action, NULL);
 }
 
 static bool stop(void *data) {
@@ -97,10 +105,7 @@ static int run(int argc, char **argv) {
     gh_set_progress(ctx, NULL, NULL);
   }
   gh_status status = cli_mpi(ctx, true);
-  if (status == GH_OK && !a.explain) {
-    signal(SIGINT, on_signal);
-    signal(SIGTERM, on_signal);
-  }
+  if (status == GH_OK && !a.explain) catch_signals();
   if (status == GH_OK) status = work(ctx, &a);
   return cli_close(ctx, status);
 }
@@ -122,7 +127,8 @@ const cli_command cli_run = {
         "history.csv (loads, reactions, dilatancy), convergence.csv (residuals), rves.h5 (grains and "
         "contacts),\n"
         "run.json (versions, options, outcome). `granhom plot DIR` draws them.\n"
-        "Ctrl-C ends the run after the present increment; a second one ends it at once. What is on disk is "
-        "complete.\n"
+        "Ctrl-C ends the run within a moment; a second one ends it at once. What is on disk is complete up "
+        "to "
+        "the increment before.\n"
         "The scene file is described in docs/user-guide.md.\n",
     .run = run};

@@ -17,7 +17,7 @@ static void print_help(FILE *out) {
   for (int k = 0; k < COMMANDS; k++) fprintf(out, "  %-8s %s\n", commands[k]->name, commands[k]->summary);
   fprintf(out, "  %-8s %s\n", "help",
           "this page; `granhom help COMMAND` describes a command and its options");
-  fprintf(out, "\n`granhom --version` prints the version. Exit status: 0 done; 1 the computation failed; 2 "
+  fprintf(out, "\n`granhom --version` prints the versions. Exit status: 0 done; 1 the computation failed; 2 "
                "the input is wrong.\n");
 }
 
@@ -71,6 +71,17 @@ static int help(int argc, char **argv) {
   return 0;
 }
 
+static int version(void) {
+  gh_context *ctx = cli_open();
+  if (!ctx) return 1;
+  gh_status status = cli_mpi(ctx, false);
+  int lammps = status == GH_OK ? gh_engine_lammps_version() : 0;
+  printf("granhom %s\nLAMMPS ", GH_VERSION);
+  if (lammps > 0) printf("%d\n", lammps);
+  else printf("cannot be used\n");
+  return cli_close(ctx, status);
+}
+
 int main(int argc, char **argv) {
   signal(SIGXFSZ, SIG_IGN); /* a file that grows too large is an error of write(), with a message */
   if (argc < 2) {
@@ -80,10 +91,7 @@ int main(int argc, char **argv) {
   const char *word = argv[1];
   if (strcmp(word, "help") == 0 || strcmp(word, "--help") == 0 || strcmp(word, "-h") == 0)
     return help(argc - 1, argv + 1);
-  if (strcmp(word, "--version") == 0 || strcmp(word, "version") == 0) {
-    printf("granhom %s\n", GH_VERSION);
-    return 0;
-  }
+  if (strcmp(word, "--version") == 0 || strcmp(word, "version") == 0) return version();
   const cli_command *command = find(word);
   if (!command) return unknown(word);
   if (argc > 2 && (strcmp(argv[2], "--help") == 0 || strcmp(argv[2], "-h") == 0))

@@ -30,6 +30,7 @@ extern "C" {
   X(GH_SYSTEM, 1, "the operating system refused")                                                            \
   X(GH_MEMORY, 1, "out of memory")                                                                           \
   X(GH_ENGINE, 1, "the engine reported an error")                                                            \
+  X(GH_STOPPED, 1, "stopped on request")                                                                     \
   X(GH_INTERNAL, 1, "an internal check failed")
 
 typedef enum gh_status {

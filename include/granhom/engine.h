@@ -56,6 +56,9 @@ gh_status gh_engine_create(gh_context *ctx, gh_engine_kind kind, const gh_engine
                            gh_engine **engine);
 void gh_engine_destroy(gh_engine **engine);
 const char *gh_engine_name(const gh_engine *engine);
+/* Version of the LAMMPS library that this program runs with, as a date: 20210929. Opens a silent instance to
+ * ask it (milliseconds; MPI is initialised if nobody did). 0: LAMMPS cannot be used; engines then say why. */
+int gh_engine_lammps_version(void);
 
 /* Sets cell (columns are the lattice vectors, det > 0; ignored by a cluster, may be NULL there) and positions
  * (n x 2). Forgets everything that happened before. GH_INPUT: a value that is not finite, or det(cell) <= 0.

@@ -26,6 +26,9 @@ gh_status gh_farm_create_rves(gh_context *ctx, int n, const gh_packing *packing,
                               const gh_rve_options *options, gh_farm **farm);
 void gh_farm_destroy(gh_farm **farm);
 int gh_farm_size(const gh_farm *farm);
+/* stop(data) is asked before each point of an evaluation; once it says true, the evaluation ends with
+ * GH_STOPPED, and the trial states are those of a failed evaluation: to be reverted. NULL: never. */
+void gh_farm_set_stop(gh_farm *farm, bool (*stop)(void *data), void *data);
 
 /* F: n x 4 (row-major 2x2). Fills P (n x 4) and, where wanted, A (n x 16, index iJkL). Trial state only:
  * every evaluation starts from the converged state. A failure names the point ("integration point 17: ...",

@@ -50,7 +50,8 @@ void gh_scene_gravity(const gh_scene *scene, double b[2]);
 /* ---- a run ---- */
 
 typedef struct gh_run_options {
-  bool (*stop)(void *data); /* asked before each increment; true ends the run with GH_SYSTEM. NULL: never */
+  bool (*stop)(void *data); /* asked before each increment and each material point; true ends the run with
+                               GH_STOPPED. NULL: never */
   void *stop_data;
 } gh_run_options;
 

@@ -1,4 +1,5 @@
 /* Dispatch to the engines, and the checks that all of them need. SPDX-License-Identifier: GPL-2.0-or-later */
+#include "engine/lammps/guard.h"
 #include "engine/ops.h"
 
 #include <stdlib.h>
@@ -54,6 +55,14 @@ void gh_engine_destroy(gh_engine **engine) {
 
 const char *gh_engine_name(const gh_engine *e) {
   return e->ops->name;
+}
+
+int gh_engine_lammps_version(void) {
+  void *lmp;
+  if (gh_lmp_open(NULL, &lmp) != GH_OK) return 0;
+  int version = gh_lmp_version(NULL, lmp);
+  gh_lmp_close(&lmp);
+  return version;
 }
 
 static gh_status check_positions(const gh_engine *e, const double *x) {

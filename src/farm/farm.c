@@ -9,6 +9,8 @@ struct gh_farm {
   gh_point_ops ops;
   void **points;
   bool rves;
+  bool (*stop)(void *data);
+  void *stop_data;
 };
 
 void gh_farm_destroy(gh_farm **farm) {
@@ -81,8 +83,14 @@ int gh_farm_size(const gh_farm *f) {
   return f->n;
 }
 
+void gh_farm_set_stop(gh_farm *f, bool (*stop)(void *data), void *data) {
+  f->stop = stop;
+  f->stop_data = data;
+}
+
 gh_status gh_farm_evaluate(gh_farm *f, const double *F, unsigned want, double *P, double *A) {
   for (int k = 0; k < f->n; k++) {
+    if (f->stop && f->stop(f->stop_data)) return gh_fail(f->ctx, GH_STOPPED, "stopped on request");
     gh_status s = f->ops.evaluate(f->points[k], F + 4 * k, want, P + 4 * k, A ? A + 16 * k : NULL);
     if (s != GH_OK) return gh_prefix(f->ctx, s, "integration point %d: ", k);
   }
@@ -118,7 +126,8 @@ void gh_farm_costs(const gh_farm *f, gh_rve_cost *sum) {
   for (int k = 0; k < f->n; k++) {
     gh_rve_cost c;
     gh_rve_costs(f->points[k], &c);
-    sum->set += c.set, sum->relax += c.relax, sum->contacts += c.contacts, sum->factorise += c.factorise, sum->total += c.total;
+    sum->set += c.set, sum->relax += c.relax, sum->contacts += c.contacts, sum->factorise += c.factorise,
+        sum->total += c.total;
     sum->evaluations += c.evaluations, sum->steps += c.steps, sum->factorisations += c.factorisations,
         sum->analyses += c.analyses;
   }

@@ -45,11 +45,28 @@ static gh_status fail_parse(const gh_yaml *doc, const yaml_parser_t *parser, con
                  *context ? ")" : "");
 }
 
+/* libyaml's time grows with the square of the depth, minutes for a file of 100 kB. Brackets in texts and
+ * comments count too: no scene has so many that stay open. */
+static gh_status check_depth(const gh_yaml *doc, const gh_reader *r) {
+  enum { DEEPEST = 200 };
+  int depth = 0, line = 1;
+  for (size_t k = 0; k < r->length; k++) {
+    char c = r->text[k];
+    line += c == '\n';
+    depth += (c == '[' || c == '{') - (c == ']' || c == '}');
+    if (depth < 0) depth = 0;
+    if (depth > DEEPEST)
+      return gh_fail(doc->ctx, GH_INPUT, "%s:%d: more than %d brackets are open", doc->path, line, DEEPEST);
+  }
+  return GH_OK;
+}
+
 /* Loads the one document of the text. */
 static gh_status load(gh_yaml *doc, const gh_reader *r) {
   yaml_parser_t parser;
   yaml_document_t second;
   gh_status s = GH_OK;
+  GH_TRY(check_depth(doc, r));
   if (!yaml_parser_initialize(&parser))
     return gh_fail(doc->ctx, GH_MEMORY, "%s: no memory to read it", doc->path);
   yaml_parser_set_encoding(&parser, YAML_UTF8_ENCODING);

@@ -71,6 +71,10 @@ static gh_status pass_jump(gh_macro *m, gh_attempt *a, walk *w, gh_macro_report 
   GH_TRY(gh_jump_take(m));
   GH_TRY(commit(m, a));
   GH_TRY(rebase(m, a->to, a->t));
+  gh_attempt settled = {.to = a->to, .substep = a->substep};
+  GH_TRY(gh_follow(m, &settled));
+  a->iterations += settled.iterations;
+  GH_TRY(rebase(m, a->to, 0));
   w->again = m->jump.point != w->point || residual < 0.5 * w->jump_residual ? 0 : w->again + 1;
   w->point = m->jump.point;
   w->jump_residual = residual;

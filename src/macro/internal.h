@@ -82,6 +82,9 @@ double gh_system_diagonal(const gh_system *system);
 /* Solves K_ff x_f = b_f; entries of fixed degrees of freedom are not touched. GH_DIVERGED: K_ff is singular.
  */
 gh_status gh_system_solve(gh_system *system, const double *b, double *x);
+/* The same with the upper triangle of K_ff made positive definite by a multiple of the unit matrix where it
+ * is not: x is a direction in which the energy falls. */
+gh_status gh_system_descend(gh_system *system, const double *b, double *x);
 /* What factorised last: 'c' CHOLMOD, 'u' UMFPACK, 0 nothing yet. */
 char gh_system_method(const gh_system *system);
 
@@ -152,6 +155,7 @@ typedef struct gh_attempt {
   double t;
   int substep, iterations;
   double residual, scale; /* of m->now */
+  bool released;          /* fading forces do not act */
 } gh_attempt;
 
 /* Outer forces at the fraction t and at displacements u, `fade` left out where told. */
@@ -159,6 +163,11 @@ void gh_outer_forces(const gh_macro *m, const gh_loads *to, double t, bool fade,
 /* GH_OK: m->now is in equilibrium and the farm's trial state belongs to it. GH_DIVERGED: it was not found;
  * the message says why. */
 gh_status gh_newton(gh_macro *m, gh_attempt *a);
+
+/* Lets the body move from m->eq to an equilibrium under the loads at the fraction a->t without fading forces,
+ * down the energy and with a commit after every step, so that the packings go along through their
+ * rearrangements (method 6). GH_OK: m->now is in equilibrium and committed, m->eq is the same. */
+gh_status gh_follow(gh_macro *m, gh_attempt *a);
 
 /* ---- jump.c ---- */
 

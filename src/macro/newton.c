@@ -66,7 +66,7 @@ static void assemble(gh_macro *m, const gh_attempt *a) {
 /* R = f_int - f_ext at state s, plus K times the prescribed part of du where a prediction is asked for. */
 static void find_residual(gh_macro *m, const gh_attempt *a, const gh_state *s, const double *predict,
                           double *R) {
-  gh_outer_forces(m, a->to, a->t, true, s->u, m->fext);
+  gh_outer_forces(m, a->to, a->t, !a->released, s->u, m->fext);
   for (int d = 0; d < m->ndof; d++) R[d] = s->fint[d] - m->fext[d];
   if (predict) gh_system_multiply(m->system, predict, R);
 }
@@ -240,6 +240,46 @@ gh_status gh_newton(gh_macro *m, gh_attempt *a) {
     if (slow == SLOW_STEPS && a->residual > limit(m, a->scale))
       return gh_fail(m->ctx, GH_DIVERGED, "the residual creeps: %d shortened steps in a row did not halve it",
                      slow);
+  }
+  return GH_OK;
+}
+
+/* One step down the energy: the longest of a few trials that does not overshoot the minimum along the
+ * direction by much. */
+static gh_status descend(gh_macro *m, gh_attempt *a, double *step) {
+  enum { MOST = 6 };
+  double work0 = along(m, a, m->residual), residual, scale, work = 0;
+  *step = 1;
+  for (int k = 0;; k++) {
+    gh_status status = try_step(m, a, *step, &residual, &scale, &work);
+    if (fatal(status)) return status;
+    bool good = status == GH_OK && (work * work0 >= 0 || fabs(work) <= slope * fabs(work0));
+    if (good || (status == GH_OK && k + 1 >= MOST)) break;
+    if (k + 1 >= 2 * MOST) return GH_DIVERGED;
+    *step = status == GH_OK ? fmax(0.1 * *step, *step * work0 / (work0 - work)) : 0.5 * *step;
+  }
+  accept(m, a, residual, scale);
+  return GH_OK;
+}
+
+gh_status gh_follow(gh_macro *m, gh_attempt *a) {
+  enum { MOST = 100 };
+  double step = 1, first;
+  a->released = true;
+  gh_state_copy(m, &m->eq, &m->now);
+  find_residual(m, a, &m->now, NULL, m->residual);
+  measure(m, a, m->residual, &a->residual, &a->scale);
+  first = a->residual;
+  for (int k = 0; a->residual > limit(m, a->scale); k++) {
+    if (k == MOST) return gh_fail(m->ctx, GH_DIVERGED, "no equilibrium beyond the jump after %d steps", MOST);
+    assemble(m, a);
+    for (int d = 0; d < m->ndof; d++) m->du[d] = 0, m->trial[d] = -m->residual[d];
+    GH_TRY(gh_system_descend(m->system, m->trial, m->du));
+    GH_TRY(descend(m, a, &step));
+    GH_TRY(gh_farm_commit(m->farm));
+    gh_state_copy(m, &m->now, &m->eq);
+    a->iterations++;
+    report(m, a, k + 1, first, step);
   }
   return GH_OK;
 }

@@ -260,10 +260,38 @@ static gh_status solve_umfpack(gh_system *s) {
   return code == UMFPACK_OK ? GH_OK : umfpack_failure(s, code);
 }
 
-gh_status gh_system_solve(gh_system *s, const double *b, double *x) {
-  if (s->nfree == 0) return GH_OK;
+static void take(gh_system *s, const double *b) {
   for (int k = 0; k < s->free_start[s->nfree]; k++) s->free_value[k] = s->value[s->source[k]];
   for (int c = 0; c < s->nfree; c++) s->b[c] = b[s->dof[c]];
+}
+
+static void shift_diagonal(gh_system *s, double shift) {
+  for (int c = 0; c < s->nfree; c++)
+    for (int k = s->free_start[c]; k < s->free_start[c + 1]; k++)
+      if (s->free_row[k] == c) s->free_value[k] += shift;
+}
+
+gh_status gh_system_descend(gh_system *s, const double *b, double *x) {
+  enum { SHIFTS = 40 };
+  if (s->nfree == 0) return GH_OK;
+  double added = 0, shift = 0, first = 1e-3 * gh_system_diagonal(s) / sqrt((double)s->ndof);
+  take(s, b);
+  s->method = 'c';
+  for (int k = 0; k < SHIFTS; k++) {
+    shift_diagonal(s, shift - added);
+    added = shift;
+    gh_status status = solve_cholmod(s);
+    if (status == GH_OK)
+      for (int c = 0; c < s->nfree; c++) x[s->dof[c]] = s->x[c];
+    if (status != GH_DIVERGED) return status;
+    shift = shift > 0 ? 3 * shift : first;
+  }
+  return gh_fail(s->ctx, GH_DIVERGED, "the stiffness matrix is singular");
+}
+
+gh_status gh_system_solve(gh_system *s, const double *b, double *x) {
+  if (s->nfree == 0) return GH_OK;
+  take(s, b);
   gh_status status = GH_DIVERGED;
   if (is_symmetric(s)) {
     s->method = 'c';

@@ -34,6 +34,7 @@ static void add_program(cJSON *root) {
   text(o, "version", GH_VERSION);
   text(o, "compiler", __VERSION__);
   text(o, "flags", GH_BUILD_FLAGS);
+  number(o, "lammps", gh_engine_lammps_version());
 }
 
 static void add_machine(cJSON *root) {

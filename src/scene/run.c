@@ -13,9 +13,8 @@ typedef struct run {
   scene_results *results;
   gh_run_summary sum;
   gh_work work;
-  int counter;         /* of increments, 0 the start */
-  int step, increment; /* at work */
-  bool stopped;
+  int counter;             /* of increments, 0 the start */
+  int step, increment;     /* at work */
   gh_macro_iteration last; /* of the increment at work */
 } run;
 
@@ -31,13 +30,17 @@ static void watch(void *data, const gh_macro_iteration *it) {
          it->substep + 1, it->iteration, it->relative, it->step, it->seconds);
 }
 
-static gh_status stopped(run *r) {
-  if (!r->options || !r->options->stop || !r->options->stop(r->options->stop_data)) return GH_OK;
-  r->stopped = true;
+static gh_status tell_stop(run *r) {
   return gh_fail(
-      r->ctx, GH_SYSTEM,
-      "stopped on request before increment %d of %d of step '%s'; what was done is complete on disk",
+      r->ctx, GH_STOPPED,
+      "stopped on request at increment %d of %d of step '%s'; what was done before is complete on disk",
       r->increment, gh_scene_increments(r->scene, r->step), gh_scene_step_name(r->scene, r->step));
+}
+
+/* The farm asks too, within an increment; here counts a request that comes while results are written. */
+static gh_status ask_stop(const run *r) {
+  const gh_run_options *o = r->options;
+  return o && o->stop && o->stop(o->stop_data) ? GH_STOPPED : GH_OK;
 }
 
 static void add_up(run *r, const gh_macro_report *report) {
@@ -148,7 +151,7 @@ static gh_status run_step(run *r, int step) {
   int k = 1;
   for (; k <= increments; k++) {
     r->increment = k;
-    GH_TRY_OR(stopped(r), done);
+    GH_TRY_OR(ask_stop(r), done);
     GH_TRY_OR(gh_scene_loads(r->scene, step, k, gh_macro_u(r->macro), r->loads), done);
     GH_TRY_OR(solve(r), done);
     gh_work_advance(r->ctx, &r->work, k);
@@ -170,6 +173,7 @@ static gh_status open_run(run *r, const char *folder) {
   GH_TRY(scene_results_check(r->ctx, folder));
   r->sum.points = 4 * s->mesh->nelements;
   GH_TRY(gh_farm_create_rves(r->ctx, r->sum.points, s->packing, &s->micro, &r->farm));
+  if (r->options) gh_farm_set_stop(r->farm, r->options->stop, r->options->stop_data);
   GH_TRY(gh_macro_create(r->ctx, s->mesh, r->farm, &s->solver, &r->macro));
   GH_TRY(gh_loads_create(r->ctx, s->mesh, &r->loads));
   GH_TRY(scene_results_create(r->scene, r->farm, r->macro, folder, &r->results));
@@ -181,7 +185,7 @@ static gh_status open_run(run *r, const char *folder) {
 static gh_status close_run(run *r, gh_status status) {
   char message[2048];
   snprintf(message, sizeof message, "%s", status == GH_OK ? "" : gh_message(r->ctx));
-  const char *outcome = status == GH_OK ? "done" : r->stopped ? "stopped" : gh_status_text(status);
+  const char *outcome = status == GH_OK ? "done" : status == GH_STOPPED ? "stopped" : gh_status_text(status);
   gh_status closed = scene_results_close(r->results, status, outcome, message, &r->sum);
   if (status == GH_OK) return closed;
   return gh_fail(r->ctx, status, "%s", message);
@@ -194,6 +198,7 @@ gh_status gh_scene_run(gh_scene *scene, const char *folder, const gh_run_options
   gh_status status = open_run(&r, folder);
   if (status == GH_OK) {
     status = run_all(&r);
+    if (status == GH_STOPPED) tell_stop(&r);
     gh_farm_costs(r.farm, &r.sum.cost);
     r.sum.unjammed = scene_results_unjammed(r.results, &r.sum.min_acoustic);
     r.sum.seconds = gh_seconds() - begin;

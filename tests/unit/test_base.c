@@ -5,7 +5,7 @@
 static void each_status_has_exit_code_and_words(void **state) {
   (void)state;
   static const int code[] = {[GH_OK] = 0,     [GH_INPUT] = 2,  [GH_DIVERGED] = 1, [GH_SYSTEM] = 1,
-                             [GH_MEMORY] = 1, [GH_ENGINE] = 1, [GH_INTERNAL] = 1};
+                             [GH_MEMORY] = 1, [GH_ENGINE] = 1, [GH_STOPPED] = 1,  [GH_INTERNAL] = 1};
   for (int s = GH_OK; s <= GH_INTERNAL; s++) {
     assert_int_equal(gh_exit_status((gh_status)s), code[s]);
     assert_true(strlen(gh_status_text((gh_status)s)) > 3);

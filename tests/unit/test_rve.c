@@ -420,6 +420,33 @@ static void a_farm_of_anything(void **state) {
   assert_null(farm);
 }
 
+static bool stop_at_three(void *data) {
+  return ++*(int *)data == 3;
+}
+
+/* A request to stop ends an evaluation before the next point with a status of its own; without it all goes
+ * on. */
+static void a_farm_is_stopped(void **state) {
+  static const gh_point_ops ops = {dummy_evaluate, dummy_commit, dummy_revert, dummy_destroy};
+  gh_context *ctx = *state;
+  int log[3] = {0}, asked = 0;
+  dummy d = {ctx, log};
+  void *points[4] = {&d, &d, &d, &d};
+  gh_farm *farm;
+  double F[16], P[16];
+  for (int k = 0; k < 16; k++) F[k] = k + 1, P[k] = -1;
+  OK(gh_farm_create(ctx, 4, &ops, points, &farm));
+  gh_farm_set_stop(farm, stop_at_three, &asked);
+  FAILS(gh_farm_evaluate(farm, F, 0, P, NULL), GH_STOPPED, "stopped on request");
+  assert_int_equal(asked, 3);
+  assert_true(P[7] == 16 && P[8] == -1);
+  gh_farm_set_stop(farm, NULL, NULL);
+  OK(gh_farm_evaluate(farm, F, 0, P, NULL));
+  assert_int_equal(asked, 3);
+  assert_true(P[15] == 32);
+  gh_farm_destroy(&farm);
+}
+
 /* The points of a farm of RVEs are RVEs of their own: each answers as it would alone, and is committed alone.
  */
 static void a_farm_of_rves(void **state) {
@@ -472,6 +499,7 @@ int main(void) {
                                      TEST(too_few_steps),
                                      TEST(looking_at_an_rve),
                                      TEST(a_farm_of_anything),
+                                     TEST(a_farm_is_stopped),
                                      TEST(a_farm_of_rves)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -176,6 +176,15 @@ gh_status gh_lmp_open(gh_context *ctx, void **lmp) {
   });
 }
 
+int gh_lmp_version(gh_context *ctx, void *lmp) {
+  int version = 0;
+  guarded(ctx, "version", [&] {
+    version = lammps_version(lmp);
+    return GH_OK;
+  });
+  return version;
+}
+
 void gh_lmp_close(void **lmp) {
   if (!lmp || !*lmp) return;
   guarded(nullptr, "close", [&] {

@@ -17,6 +17,8 @@ extern "C" {
  * styles. GH_ENGINE: version below 29 Sep 2021, or the executable's symbols are not visible. */
 gh_status gh_lmp_open(gh_context *ctx, void **lmp);
 /* Closes; takes NULL. Errors of LAMMPS are dropped. */
+/* Of an open instance, as a date: 20210929. */
+int gh_lmp_version(gh_context *ctx, void *lmp);
 void gh_lmp_close(void **lmp);
 /* One input command. */
 gh_status gh_lmp_command(gh_context *ctx, void *lmp, const char *format, ...) GH_PRINTF(3, 4);
