@@ -1,5 +1,6 @@
 /* granhom rve: one material point along a path of F. SPDX-License-Identifier: GPL-2.0-or-later */
 #include "cli.h"
+#include "rve_state.h"
 
 #include "granhom/io.h"
 #include "granhom/micro.h"
@@ -30,7 +31,8 @@ static const char help[] =
     "  --tangent FILE         tangent dP/dF of each increment: step,A1111,A1112,...,A2222\n"
     "  --dump FILE            a LAMMPS dump of the grains, one frame per increment (OVITO reads it)\n"
     "  --save-state FILE      converged state at the end of the path (HDF5)\n"
-    "  --load-state FILE      start from such a state instead of the packing as read\n"
+    "  --load-state FILE      start from such a state instead of the packing as read; of the\n"
+    "                         same packing and boundary condition\n"
     "\n"
     "Exit status: 0 done, 1 an increment did not converge (the rows before it are written), 2 wrong input.\n";
 
@@ -129,7 +131,7 @@ static int parse(int argc, char **argv, arguments *a) {
   return 0;
 }
 
-/* ---- path and state ---- */
+/* ---- path ---- */
 
 static gh_status check_path(job *j) {
   static const char *const names[] = {"step", "F11", "F12", "F21", "F22"};
@@ -153,41 +155,6 @@ static gh_status check_path(job *j) {
       return gh_fail(j->ctx, GH_INPUT, "%s:%d: step %g is not an integer", file, p->line[row], step);
   }
   return GH_OK;
-}
-
-static gh_status load_state(job *j) {
-  size_t n = gh_rve_state_size(j->rve), rows, cols;
-  gh_h5 *file;
-  double *state = NULL;
-  GH_TRY(gh_h5_read(j->ctx, j->args->load, &file));
-  gh_status status = gh_h5_size(file, "state", &rows, &cols);
-  if (status == GH_OK && rows * cols != n)
-    status = gh_fail(j->ctx, GH_INPUT,
-                     "%s: a state of %zu numbers, but this packing with these boundary conditions has %zu",
-                     j->args->load, rows * cols, n);
-  if (status == GH_OK) status = gh_alloc(j->ctx, n, sizeof(double), &state);
-  if (status == GH_OK) status = gh_h5_get_doubles(file, "state", n, 1, state);
-  if (status == GH_OK) status = gh_rve_load(j->rve, state);
-  free(state);
-  gh_h5_close(&file);
-  return status;
-}
-
-static gh_status save_state(job *j) {
-  size_t n = gh_rve_state_size(j->rve);
-  gh_h5 *file;
-  double *state;
-  GH_TRY(gh_alloc(j->ctx, n, sizeof(double), &state));
-  gh_rve_save(j->rve, state);
-  gh_status status = gh_h5_open(j->ctx, j->args->save, false, &file);
-  if (status == GH_OK) {
-    status = gh_h5_put_doubles(file, "state", n, 1, state);
-    if (status == GH_OK) status = gh_h5_put_text(file, "boundary", gh_boundary_name(j->args->rve.boundary));
-    if (status == GH_OK) status = gh_h5_commit(&file);
-    else gh_h5_close(&file);
-  }
-  free(state);
-  return status;
 }
 
 /* ---- results ---- */
@@ -299,7 +266,8 @@ static gh_status walk(job *j) {
 static gh_status finish(job *j, gh_status status) {
   char *message = status == GH_OK ? NULL : strdup(gh_message(j->ctx));
   gh_status s = write_files(j, true);
-  if (s == GH_OK && status == GH_OK && j->args->save) s = save_state(j);
+  if (s == GH_OK && status == GH_OK && j->args->save)
+    s = rve_state_save(j->ctx, j->args->save, j->rve, j->args->rve.boundary, j->packing);
   if (message) gh_fail(j->ctx, status, "%s", message);
   free(message);
   return status == GH_OK ? s : status;
@@ -312,7 +280,7 @@ static gh_status rve(job *j) {
   GH_TRY(check_path(j));
   GH_TRY(cli_mpi(j->ctx, true));
   GH_TRY(gh_rve_create(j->ctx, j->packing, &a->rve, &j->rve));
-  if (a->load) GH_TRY(load_state(j));
+  if (a->load) GH_TRY(rve_state_load(j->ctx, a->load, j->rve, a->rve.boundary, j->packing));
   GH_TRY(gh_text_create(j->ctx, &j->out));
   if (a->tangent) GH_TRY(gh_text_create(j->ctx, &j->tangent));
   if (a->dump) GH_TRY(gh_text_create(j->ctx, &j->dump));

@@ -118,6 +118,8 @@ gh_status gh_h5_put_text(gh_h5 *file, const char *name, const char *text);
 gh_status gh_h5_size(gh_h5 *file, const char *name, size_t *rows, size_t *cols);
 gh_status gh_h5_get_doubles(gh_h5 *file, const char *name, size_t rows, size_t cols, double *data);
 gh_status gh_h5_get_ints(gh_h5 *file, const char *name, size_t rows, size_t cols, int *data);
+/* A text that gh_h5_put_text wrote, of at most size - 1 bytes. */
+gh_status gh_h5_get_text(gh_h5 *file, const char *name, size_t size, char *text);
 /* Flush, close, fsync, rename. The file is closed afterwards, also when this fails. */
 gh_status gh_h5_commit(gh_h5 **file);
 void gh_h5_close(gh_h5 **file); /* drops what was not committed */

@@ -26,7 +26,8 @@ typedef struct gh_packing {
  */
 gh_status gh_packing_read(gh_context *ctx, const char *path, gh_packing **packing);
 /* Writes it back (17 digits), with grains at x (n x 2; NULL: reference positions) in the cell `cell` (NULL:
- * reference). */
+ * reference), turned so that the first lattice vector lies along x, and with the lattice vectors of the least
+ * tilt. */
 gh_status gh_packing_write(gh_context *ctx, const gh_packing *packing, const char *path, const double *x,
                            const double *cell);
 gh_status gh_packing_copy(gh_context *ctx, const gh_packing *from, gh_packing **packing);

@@ -310,3 +310,29 @@ gh_status gh_h5_get_ints(gh_h5 *f, const char *name, size_t rows, size_t cols, i
   printing_on(p);
   return s;
 }
+
+static gh_status get_text(const gh_h5 *f, const char *name, size_t size, char *text) {
+  hid_t set;
+  GH_TRY(open_dataset(f, name, &set));
+  hid_t type = H5Dget_type(set), space = H5Dget_space(set);
+  bool plain = type >= 0 && H5Tget_class(type) == H5T_STRING && H5Tis_variable_str(type) == 0 && space >= 0 &&
+               H5Sget_simple_extent_npoints(space) == 1;
+  gh_status s = GH_OK;
+  if (!plain) s = gh_fail(f->ctx, GH_INPUT, "%s: %s does not hold a text", f->path, name);
+  else if (H5Tget_size(type) > size)
+    s = gh_fail(f->ctx, GH_INPUT, "%s: %s is a text of %zu bytes, at most %zu are read", f->path, name,
+                H5Tget_size(type), size);
+  else if (H5Dread(set, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, text) < 0) s = fail(f, GH_INPUT, "read", name);
+  else text[H5Tget_size(type) - 1] = 0;
+  if (type >= 0) H5Tclose(type);
+  if (space >= 0) H5Sclose(space);
+  H5Dclose(set);
+  return s;
+}
+
+gh_status gh_h5_get_text(gh_h5 *f, const char *name, size_t size, char *text) {
+  printing p = printing_off();
+  gh_status s = get_text(f, name, size, text);
+  printing_on(p);
+  return s;
+}

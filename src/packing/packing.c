@@ -126,13 +126,15 @@ gh_status gh_packing_copy(gh_context *ctx, const gh_packing *from, gh_packing **
   return GH_OK;
 }
 
-/* LAMMPS wants an upper triangular cell with the tilt small: turns cell and positions by the rotation Q of
- * cell = Q T. */
+/* LAMMPS wants an upper triangular cell with the tilt small: turns the cell by Q^T of cell = Q T, and takes
+ * multiples of the first lattice vector off the second, which leaves the lattice as it is. turn: Q^T, for the
+ * positions. */
 static void upright(double cell[4], double turn[4]) {
   double a = hypot(cell[0], cell[2]), c = cell[0] / a, s = cell[2] / a;
   memcpy(turn, (double[4]){c, s, -s, c}, 4 * sizeof(double));
   gh_mul2(turn, cell, cell);
   cell[2] = 0;
+  cell[1] -= nearbyint(cell[1] / cell[0]) * cell[0];
 }
 
 gh_status gh_packing_write(gh_context *ctx, const gh_packing *p, const char *path, const double *x,

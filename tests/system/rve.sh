@@ -110,6 +110,8 @@ for boundary in taylor periodic; do
   check "$boundary: saved and loaded, a path goes on to the last digit" diff <(results whole.csv | sed -n 4,5p) <(results second_out.csv | sed 1d)
 done
 
+/usr/bin/python3 -c 'import h5py; h5py.File("other.h5", "w")["x"] = [1.0]'
+
 # --- bad input: exit 2, one message, nothing written ---
 mkdir clean
 refused() { # refused NAME WORDS ARGUMENTS...: in the empty folder `clean`
@@ -169,7 +171,15 @@ o="-o out.csv --tangent tan.csv --dump a.dump --save-state s.h5"
   printf 'step,F11,F12,F21,F22\n' >bad.csv && refused "a path without rows" "bad.csv" $p --path ../bad.csv $o
   refused "missing state" "none.h5" $p --path ../path.csv --load-state none.h5 $o
   refused "state that is none" "path.csv" $p --path ../path.csv --load-state ../path.csv $o
-  refused "state of another packing" "numbers" "$root/tests/data/cases/packings/p20.data" --path ../path.csv --load-state ../state.h5 $o
+  refused "state of a packing of another size" "a packing of 50 grains, and this one has 20" "$root/tests/data/cases/packings/p20.data" --path ../path.csv --load-state ../state.h5 $o
+  refused "state of other boundary conditions" "saved with --boundary periodic, and now it is taylor-cell" $p --path ../path.csv --boundary taylor-cell --load-state ../state.h5 $o
+  awk '$1 == 7 && NF >= 7 { $5 += 1e-9 } { print }' CONVFMT=%.17g OFMT=%.17g $p >moved.data
+  refused "state of a packing with a grain elsewhere" "another packing: there grain 7 has the radius" ../moved.data --path ../path.csv --load-state ../state.h5 $o
+  awk '$1 == 7 && NF >= 7 { $3 *= 1.01 } { print }' CONVFMT=%.17g OFMT=%.17g $p >grown.data
+  refused "state of a packing with a larger grain" "another packing: there grain 7 has the radius" ../grown.data --path ../path.csv --load-state ../state.h5 $o
+  awk '/xlo/ { $2 += 1e-6 } { print }' CONVFMT=%.17g OFMT=%.17g $p >wide.data
+  refused "state of a packing with another cell" "another packing, with the cell" ../wide.data --path ../path.csv --load-state ../state.h5 $o
+  refused "results for a state" "cannot find boundary" $p --path ../path.csv --load-state ../other.h5 $o
 }
 mkdir folder
 native --path path.csv -o folder >said 2>&1

@@ -68,6 +68,20 @@ static void a_text_is_a_string(void **state) {
   assert_true(H5Dread(set, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, text) >= 0);
   assert_string_equal(text, "sand \xC3\xBC");
   H5Tclose(type), H5Dclose(set), H5Fclose(file);
+  gh_h5 *f;
+  char five[5];
+  memset(text, 'x', sizeof text);
+  assert_int_equal(gh_h5_read(p->ctx, make_file(p, "b.h5"), &f), GH_OK);
+  assert_int_equal(gh_h5_get_text(f, "/run", sizeof text, text), GH_OK);
+  assert_string_equal(text, "sand \xC3\xBC");
+  assert_int_equal(gh_h5_get_text(f, "/nothing", sizeof text, text), GH_OK);
+  assert_string_equal(text, "");
+  assert_int_equal(gh_h5_get_text(f, "/run", sizeof five, five), GH_INPUT);
+  assert_message(p, in_folder(p, "b.h5"), ": /run is a text of 8 bytes, at most 5 are read");
+  assert_int_equal(gh_h5_get_text(f, "/step0003/P", sizeof text, text), GH_INPUT);
+  assert_message(p, in_folder(p, "b.h5"), ": /step0003/P does not hold a text");
+  assert_int_equal(gh_h5_get_text(f, "/nowhere", sizeof text, text), GH_INPUT);
+  gh_h5_close(&f);
 }
 
 /* Appending keeps what is there and replaces datasets of the same name, also of another size; not appending

@@ -168,6 +168,36 @@ static double from_line(const double *point, const double *at, const double *dir
 }
 
 /* Whether the cluster has exactly one replica of grain i shifted by (a, b), and where it must be. */
+/* A strongly tilted cell is written with another second lattice vector of the same lattice, of a tilt that
+ * LAMMPS takes, and each grain where one of its images is. */
+static void a_strong_tilt_is_reduced(void **state) {
+  gh_context *ctx = *state;
+  gh_packing *p = case_packing(ctx, "p20"), *q;
+  char path[64];
+  put(path, "");
+  double lx = p->cell[0], inverse[4];
+  const double tilts[] = {3, -3, 2.3, 0.7, -0.51, 12.49};
+  for (int t = 0; t < 6; t++) {
+    p->cell[1] = tilts[t] * lx;
+    gh_inv2(p->cell, inverse);
+    OK(gh_packing_write(ctx, p, path, NULL, NULL));
+    OK(gh_packing_read(ctx, path, &q));
+    assert_true(fabs(q->cell[1]) <= 0.5 * lx && q->cell[2] == 0);
+    NEAR("lx", q->cell[0], lx, 1e-15);
+    NEAR("ly", q->cell[3], p->cell[3], 1e-15);
+    double k = (p->cell[1] - q->cell[1]) / lx;
+    NEAR("lattice", k, nearbyint(k), 1e-14);
+    for (int i = 0; i < p->n; i++) {
+      double s[2] = {q->x[2 * i] - p->x[2 * i], q->x[2 * i + 1] - p->x[2 * i + 1]};
+      gh_apply2(inverse, s, s);
+      for (int d = 0; d < 2; d++) assert_float_equal(s[d], nearbyint(s[d]), 1e-13);
+    }
+    gh_packing_destroy(&q);
+  }
+  remove(path);
+  gh_packing_destroy(&p);
+}
+
 static void assert_replica(const gh_packing *p, const gh_cluster *c, int i, int a, int b, bool wanted) {
   int found = 0;
   for (int m = p->n; m < c->n; m++) {
@@ -248,6 +278,7 @@ int main(void) {
                                      TEST(grains_are_sorted_and_wrapped),
                                      TEST(write_and_read_give_the_same_packing),
                                      TEST(a_deformed_packing_keeps_its_distances),
+                                     TEST(a_strong_tilt_is_reduced),
                                      TEST(replicas_of_the_cases),
                                      TEST(replicas_in_tilted_cells)};
   return cmocka_run_group_tests(tests, NULL, NULL);

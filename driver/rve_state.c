@@ -1,0 +1,90 @@
+/* States of one material point in HDF5 files. SPDX-License-Identifier: GPL-2.0-or-later
+ *
+ * boundary          word
+ * state             what gh_rve_save gives
+ * packing/cell      2 x 2;   packing/radius   grains;   packing/x   grains x 2
+ *
+ * A state is numbers without a meaning of their own: loaded into another packing it would be a wrong answer
+ * that looks right. Therefore the packing goes along, and is compared to the last bit. */
+#include "rve_state.h"
+
+#include "granhom/io.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+static gh_status put(gh_h5 *file, const gh_rve *rve, gh_boundary boundary, const gh_packing *p,
+                     double *state) {
+  gh_rve_save(rve, state);
+  GH_TRY(gh_h5_put_text(file, "boundary", gh_boundary_name(boundary)));
+  GH_TRY(gh_h5_put_doubles(file, "packing/cell", 2, 2, p->cell));
+  GH_TRY(gh_h5_put_doubles(file, "packing/radius", (size_t)p->n, 1, p->radius));
+  GH_TRY(gh_h5_put_doubles(file, "packing/x", (size_t)p->n, 2, p->x));
+  return gh_h5_put_doubles(file, "state", gh_rve_state_size(rve), 1, state);
+}
+
+gh_status rve_state_save(gh_context *ctx, const char *path, const gh_rve *rve, gh_boundary boundary,
+                         const gh_packing *packing) {
+  gh_h5 *file;
+  double *state;
+  GH_TRY(gh_alloc(ctx, gh_rve_state_size(rve), sizeof *state, &state));
+  gh_status status = gh_h5_open(ctx, path, false, &file);
+  if (status == GH_OK) {
+    status = put(file, rve, boundary, packing, state);
+    if (status == GH_OK) status = gh_h5_commit(&file);
+    else gh_h5_close(&file);
+  }
+  free(state);
+  return status;
+}
+
+static gh_status check_boundary(gh_context *ctx, const char *path, gh_h5 *file, gh_boundary boundary) {
+  char word[32];
+  GH_TRY(gh_h5_get_text(file, "boundary", sizeof word, word));
+  if (!strcmp(word, gh_boundary_name(boundary))) return GH_OK;
+  return gh_fail(ctx, GH_INPUT, "%s: the state was saved with --boundary %s, and now it is %s", path, word,
+                 gh_boundary_name(boundary));
+}
+
+static gh_status check_packing(gh_context *ctx, const char *path, gh_h5 *file, const gh_packing *p,
+                               double *memory) {
+  size_t n = (size_t)p->n, rows, cols;
+  double *cell = memory, *radius = memory + 4, *x = radius + n;
+  GH_TRY(gh_h5_size(file, "packing/radius", &rows, &cols));
+  if (rows != n)
+    return gh_fail(ctx, GH_INPUT, "%s: the state belongs to a packing of %zu grains, and this one has %d",
+                   path, rows, p->n);
+  GH_TRY(gh_h5_get_doubles(file, "packing/cell", 2, 2, cell));
+  GH_TRY(gh_h5_get_doubles(file, "packing/radius", n, 1, radius));
+  GH_TRY(gh_h5_get_doubles(file, "packing/x", n, 2, x));
+  if (memcmp(cell, p->cell, sizeof p->cell) != 0)
+    return gh_fail(ctx, GH_INPUT, "%s: the state belongs to another packing, with the cell [%g %g; %g %g]",
+                   path, cell[0], cell[1], cell[2], cell[3]);
+  for (size_t i = 0; i < n; i++)
+    if (radius[i] != p->radius[i] || x[2 * i] != p->x[2 * i] || x[2 * i + 1] != p->x[2 * i + 1])
+      return gh_fail(
+          ctx, GH_INPUT,
+          "%s: the state belongs to another packing: there grain %d has the radius %.10g and is at (%.10g, "
+          "%.10g), here it has %.10g and is at (%.10g, %.10g)",
+          path, p->id[i], radius[i], x[2 * i], x[2 * i + 1], p->radius[i], p->x[2 * i], p->x[2 * i + 1]);
+  return GH_OK;
+}
+
+gh_status rve_state_load(gh_context *ctx, const char *path, gh_rve *rve, gh_boundary boundary,
+                         const gh_packing *packing) {
+  size_t size = gh_rve_state_size(rve), need = 4 + 3 * (size_t)packing->n;
+  gh_h5 *file;
+  double *memory = NULL;
+  gh_status status;
+  GH_TRY(gh_h5_read(ctx, path, &file));
+  GH_TRY_OR(gh_alloc(ctx, size > need ? size : need, sizeof *memory, &memory), done);
+  GH_TRY_OR(check_boundary(ctx, path, file, boundary), done);
+  GH_TRY_OR(check_packing(ctx, path, file, packing, memory), done);
+  GH_TRY_OR(gh_h5_get_doubles(file, "state", size, 1, memory), done);
+  status = gh_rve_load(rve, memory);
+  if (status != GH_OK) gh_prefix(ctx, status, "%s: ", path);
+done:
+  free(memory);
+  gh_h5_close(&file);
+  return status;
+}
