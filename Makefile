@@ -78,6 +78,12 @@ valgrind:
 	@BUILD=$(BUILD)-valgrind tests/valgrind.sh
 format:
 	@clang-format -i $$(git ls-files '*.c' '*.h' '*.cpp')
+# The tables and pictures of docs/verification.md: half an hour on two cores.
+.PHONY: verification
+verification:
+	@scripts/install-packages.sh check
+	@$(MAKE) --no-print-directory -j$$(nproc) all $(BUILD)/tests/verify/test_rve_cases
+	@scripts/block-study.sh $(BUILD)
 install: all
 	install -D $(BUILD)/granhom $(DESTDIR)$(PREFIX)/bin/granhom
 clean:

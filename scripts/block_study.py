@@ -67,11 +67,11 @@ class Run:
         if not self.present:
             return
         self.steps = [{k: v if k == "name" else float(v) for k, v in row.items()} for row in table(f"{folder}/history.csv")]
-        self.attempts = {}  # increment -> attempts, each a list of rows that starts with iteration 0
+        self.attempts = {}  # increment -> attempts, each a list of rows with rising iterations
         for row in table(f"{folder}/convergence.csv"):
             row = {k: float(v) for k, v in row.items()}
             attempts = self.attempts.setdefault(int(row["step"]), [])
-            if row["iteration"] == 0:
+            if not attempts or row["iteration"] <= attempts[-1][-1]["iteration"]:
                 attempts.append([])
             attempts[-1].append(row)
         with open(f"{folder}/run.json") as f:

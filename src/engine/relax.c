@@ -105,16 +105,25 @@ static double time_step(const gh_relax_state *s) {
   return gh_relax_time_step(bound);
 }
 
-/* One step of the free grains with the damping `c`; returns the square of the largest distance from x0. */
+/* One step of the free grains with the damping `c`; returns the square of the largest distance from x0.
+ *
+ * No grain goes as far as the slack at once (0.9, so that round-off does not decide when the list is made
+ * anew). Overlaps of a tenth of a radius stay below that; larger ones would throw a grain through its
+ * neighbours, where forces are those of another packing, and it may be thrown back for ever. */
 static double advance(gh_relax_state *s, double c, double dt) {
   double a = s->started ? (2 - c * dt) / (2 + c * dt) : 0, b = s->started ? 2 * dt / (2 + c * dt) : dt / 2,
-         far = 0;
+         far = 0, fastest = 0.9 * s->slack / dt;
   for (int i = 0; i < s->n; i++) {
-    double free = s->held && s->held[i] ? 0 : 1, r2 = 0;
-    for (int k = 2 * i; k < 2 * i + 2; k++) {
-      s->v[k] = free * (a * s->v[k] + b * s->f[k]);
-      s->x[k] += dt * s->v[k];
-      r2 += (s->x[k] - s->x0[k]) * (s->x[k] - s->x0[k]);
+    double free = s->held && s->held[i] ? 0 : 1, *v = s->v + 2 * i, *x = s->x + 2 * i, r2 = 0, v2 = 0;
+    for (int k = 0; k < 2; k++) {
+      v[k] = free * (a * v[k] + b * s->f[2 * i + k]);
+      v2 += v[k] * v[k];
+    }
+    double slower = v2 > fastest * fastest ? fastest / sqrt(v2) : 1;
+    for (int k = 0; k < 2; k++) {
+      v[k] *= slower;
+      x[k] += dt * v[k];
+      r2 += (x[k] - s->x0[2 * i + k]) * (x[k] - s->x0[2 * i + k]);
     }
     far = r2 > far ? r2 : far;
   }
@@ -136,18 +145,22 @@ static double rayleigh(const gh_relax_state *s, const double *old, double dt) {
 gh_relax_end gh_relax_run(gh_relax_state *s, double tolerance, double floor, long max_steps, double *residual,
                           double *mean_force, long *steps) {
   double *old = s->work + 2 * (size_t)s->npairs, dt = 0;
-  bool far = false;
+  bool far = false, stale = true;
   for (long k = 0;; k++) {
     double largest = gh_relax_forces(s, mean_force);
     ++*steps;
     *residual = *mean_force > 0 ? largest / *mean_force : 0;
     if (!isfinite(largest)) return *residual = NAN, GH_RELAX_STEPS;
-    if (k > 0) s->damping = 2 * sqrt(rayleigh(s, old, dt));
+    if (k > 0) {
+      double lowest = rayleigh(s, old, dt);
+      s->damping = 2 * sqrt(lowest);
+      stale = gh_relax_time_step(lowest) < 0.95 * dt; /* above the bound of all eigenvalues: new contacts */
+    }
     if (far) return GH_RELAX_REBUILD; /* before anything is concluded: the list may miss contacts */
     if (*mean_force <= floor) return *residual = 0, GH_RELAX_UNJAMMED;
     if (*residual <= tolerance) return GH_RELAX_CONVERGED;
     if (k + 1 >= max_steps) return GH_RELAX_STEPS;
-    if (k % BOUND_EVERY == 0) dt = time_step(s);
+    if (stale || k % BOUND_EVERY == 0) dt = time_step(s);
     s->damping = fmax(s->damping, LEAST_DAMPING / dt);
     memcpy(old, s->f, 2 * (size_t)s->n * sizeof *old);
     far = advance(s, s->damping, dt) > s->slack * s->slack;
