@@ -78,7 +78,7 @@ valgrind:
 	@BUILD=$(BUILD)-valgrind tests/valgrind.sh
 format:
 	@clang-format -i $$(git ls-files '*.c' '*.h' '*.cpp')
-# The tables and pictures of docs/verification.md: half an hour on two cores.
+# The tables and pictures of docs/verification.md: a quarter of an hour on two cores.
 .PHONY: verification
 verification:
 	@scripts/install-packages.sh check

@@ -64,9 +64,17 @@ gh_context *cli_open(void) {
   return ctx;
 }
 
+int cli_rank(void) {
+  int begun = 0, done = 0, rank = 0;
+  MPI_Initialized(&begun);
+  MPI_Finalized(&done);
+  if (begun && !done) MPI_Comm_rank(MPI_COMM_WORLD, &rank);
+  return rank;
+}
+
 int cli_close(gh_context *ctx, gh_status s) {
   clear_line();
-  if (s != GH_OK) {
+  if (s != GH_OK && cli_rank() == 0) {
     const char *message = gh_message(ctx);
     fprintf(stderr, "granhom: %s\n", *message ? message : gh_status_text(s));
   }

@@ -15,7 +15,10 @@ extern const cli_command cli_rve, cli_run, cli_plot, cli_lammps;
 /* A context whose log and progress go to standard error: a rewritten line on a terminal, plain lines at most
  * every ten seconds elsewhere. NULL (after a message) when there is no memory. */
 gh_context *cli_open(void);
-/* Prints "granhom: message" on standard error if s is not GH_OK; frees ctx; returns the exit status. */
+/* Of this process among those of mpirun; 0 without. */
+int cli_rank(void);
+/* Prints "granhom: message" on standard error if s is not GH_OK, on rank 0 alone: what fails, fails on all.
+ * Frees ctx; returns the exit status. */
 int cli_close(gh_context *ctx, gh_status s);
 /* Prints "granhom NAME: message" and how to get help; returns 2. */
 int cli_usage(const cli_command *command, const char *format, ...) GH_PRINTF(2, 3);

@@ -6,6 +6,8 @@
 
 #include <mpi.h>
 #include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
 /* The file after -in; NULL when there is none: LAMMPS reads standard input. */
 static const char *script_of(int argc, char **argv) {
@@ -14,12 +16,15 @@ static const char *script_of(int argc, char **argv) {
   return NULL;
 }
 
+/* LAMMPS reads the script on rank 0 and sends it to the others. */
 static gh_status check_script(gh_context *ctx, const char *path) {
-  if (!path || !strcmp(path, "none")) return GH_OK;
-  FILE *file = fopen(path, "r");
-  if (!file) return gh_fail(ctx, GH_INPUT, "cannot open the input script %s", path);
-  fclose(file);
-  return GH_OK;
+  int there = 1;
+  if (cli_rank() == 0 && path && strcmp(path, "none")) {
+    struct stat info;
+    there = access(path, R_OK) == 0 && stat(path, &info) == 0 && !S_ISDIR(info.st_mode);
+  }
+  MPI_Bcast(&there, 1, MPI_INT, 0, MPI_COMM_WORLD);
+  return there ? GH_OK : gh_fail(ctx, GH_INPUT, "cannot open the input script %s", path);
 }
 
 static int run(int argc, char **argv) {
@@ -27,9 +32,10 @@ static int run(int argc, char **argv) {
   if (!ctx) return 1;
   int exit_status = 0;
   bool alone = false;
-  gh_status status = check_script(ctx, script_of(argc, argv));
-  if (status == GH_OK) status = cli_mpi(ctx, false);
+  gh_status status = cli_mpi(ctx, false);
+  if (status == GH_OK) status = check_script(ctx, script_of(argc, argv));
   if (status == GH_OK) status = gh_lmp_program(ctx, argc, argv, &exit_status, &alone);
+  if (alone && cli_rank() > 0) fprintf(stderr, "granhom: %s\n", gh_message(ctx));
   int code = cli_close(ctx, status);
   if (alone) MPI_Abort(MPI_COMM_WORLD, code);
   return code ? code : exit_status;

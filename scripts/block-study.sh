@@ -51,5 +51,5 @@ done | xargs -n 1 | xargs -n 1 -P 2 sh "$out/one.sh" "$out"
 python=/usr/bin/python3
 "$python" scripts/block_study.py "$out" docs/verification.md
 gnuplot -e "out='$out'; png='docs/figures/block.png'" scripts/block-curves.gp
-gnuplot -e "out='$out'; png='docs/figures/acoustic.png'" scripts/block-acoustic.gp
-echo "docs/verification.md, docs/figures/block.png and docs/figures/acoustic.png are up to date"
+gnuplot -e "out='$out'; maps='docs/figures/acoustic.png'; strips='docs/figures/jumps.png'" scripts/block-acoustic.gp
+echo "docs/verification.md and docs/figures/{block,acoustic,jumps}.png are up to date"

@@ -190,7 +190,7 @@ def run_table(runs):
         value, step, point = run.lowest()
         rows.append([run.name, f"{run.displacement():g}", int(run.total("iterations")), int(run.total("substeps")), int(run.total("cuts")),
                      int(run.total("jumps")), sum(j > 0 for j in run.column("jumps")), f"{value:.2f}", where(step), point,
-                     int(max(run.column("unjammed"))), f"{run.total('seconds'):.0f}"])
+                     int(max(run.column("unjammed"))), f"{run.total('seconds'):.2g}" if run.total("seconds") < 10 else f"{run.total('seconds'):.0f}"])
     return markdown(["run", "reached (mm)", "iterations", "parts", "cuts", "jumps passed", "in increments", "smallest acoustic eigenvalue",
                      "in increment", "at point", "unjammed points", "seconds"], rows)
 
@@ -320,12 +320,18 @@ def ends_table(runs):
 
 
 def write_acoustic(out, runs):
-    """For gnuplot: per run a map (x, y, value) at two increments, and the course over the increments."""
+    """For gnuplot: maps (x, y, value) at two increments, (increment, point, value) of all, and the jumps (increment, point)."""
     for run in runs:
         for k in (CONFINED, COMPRESSED):
             with open(f"{out}/acoustic_{run.name}_{k}.txt", "w") as f:
                 for p, value in enumerate(run.acoustic[k] if k < len(run.acoustic) else 36 * [math.nan]):
                     f.write(f"{run.gauss[2 * p]:.6g} {run.gauss[2 * p + 1]:.6g} {value:.6g} {p}\n")
+        with open(f"{out}/acoustic_{run.name}.txt", "w") as f:
+            for k, values in enumerate(run.acoustic):
+                f.writelines(f"{k} {p} {value:.6g}\n" for p, value in enumerate(values))
+        with open(f"{out}/jumps_{run.name}.txt", "w") as f:
+            f.write("-9 -9\n")  # gnuplot wants a row
+            f.writelines(f"{k} {p}\n" for k, jumps in run.jumps.items() for p, _ in jumps)
 
 
 def replace(report, parts):

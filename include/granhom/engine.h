@@ -61,8 +61,8 @@ const char *gh_engine_name(const gh_engine *engine);
 int gh_engine_lammps_version(void);
 
 /* Sets cell (columns are the lattice vectors, det > 0; ignored by a cluster, may be NULL there) and positions
- * (n x 2). Forgets everything that happened before. GH_INPUT: a value that is not finite, or det(cell) <= 0.
- */
+ * (n x 2). Forgets everything that happened before. GH_INPUT: a value that is not finite, det(cell) <= 0, or
+ * a cell that is compressed, thinned or sheared beyond what a packing can be. */
 gh_status gh_engine_set(gh_engine *engine, const double cell[4], const double *x);
 /* Changes the positions only, by little: cheaper than gh_engine_set. Same cell. */
 gh_status gh_engine_move(gh_engine *engine, const double *x);

@@ -22,7 +22,8 @@ typedef struct gh_packing {
 } gh_packing;
 
 /* Reads a LAMMPS data file (atom_style sphere, z = 0). Errors, all GH_INPUT with file and line: missing,
- * truncated or empty file, a value that is not finite, radius <= 0, ids that occur twice, z != 0, no atoms.
+ * truncated or empty file, a value that is not finite, radius <= 0, ids that occur twice, z != 0, no atoms,
+ * two grains at one place, grains that fill the cell more than twenty times.
  */
 gh_status gh_packing_read(gh_context *ctx, const char *path, gh_packing **packing);
 /* Writes it back (17 digits), with grains at x (n x 2; NULL: reference positions) in the cell `cell` (NULL:

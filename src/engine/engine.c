@@ -10,6 +10,7 @@ struct gh_engine {
   void *self;
   int n;
   bool periodic;
+  double reach, area; /* twice the largest radius; sum of the areas of the grains */
 };
 
 static gh_status check_setup(gh_context *ctx, const gh_engine_setup *s) {
@@ -37,6 +38,11 @@ gh_status gh_engine_create(gh_context *ctx, gh_engine_kind kind, const gh_engine
                    .ops = kind == GH_ENGINE_LAMMPS ? &gh_lammps_ops : &gh_native_ops,
                    .n = setup->n,
                    .periodic = setup->periodic};
+  for (int i = 0; i < setup->n; i++) {
+    double r = setup->radius[i];
+    e->reach = fmax(e->reach, 2 * r);
+    e->area += acos(-1) * r * r;
+  }
   gh_status s = e->ops->create(ctx, setup, &e->self);
   if (s != GH_OK) {
     free(e);
@@ -73,10 +79,54 @@ static gh_status check_positions(const gh_engine *e, const double *x) {
   return GH_OK;
 }
 
-gh_status gh_engine_set(gh_engine *e, const double cell[4], const double *x) {
-  if (e->periodic && (!gh_finite(cell, 4) || !(gh_det2(cell) > 0)))
+/* Distance between the long sides of the cell, of all cells of this lattice the one with the shortest sides.
+ */
+static double lattice_height(const double cell[4]) {
+  double a[2] = {cell[0], cell[2]}, b[2] = {cell[1], cell[3]};
+  for (;;) { /* Gauss's reduction: a is the shorter one */
+    double a2 = a[0] * a[0] + a[1] * a[1], b2 = b[0] * b[0] + b[1] * b[1];
+    if (a2 > b2) {
+      for (int k = 0; k < 2; k++) {
+        double swap = a[k];
+        a[k] = b[k];
+        b[k] = swap;
+      }
+      a2 = b2;
+    }
+    double times = nearbyint((a[0] * b[0] + a[1] * b[1]) / a2);
+    if (times == 0) return gh_det2(cell) / hypot(b[0], b[1]);
+    for (int k = 0; k < 2; k++) b[k] -= times * a[k];
+  }
+}
+
+/* What no packing looks like would cost time and memory without limit: a Newton trial may ask for it. */
+static gh_status check_cell(const gh_engine *e, const double cell[4]) {
+  static const double most_filled = 20, most_images = 50, most_distorted = 1e10;
+  double det = gh_det2(cell);
+  if (!gh_finite(cell, 4) || !(det > 0) || !isfinite(det))
     return gh_fail(e->ctx, GH_INPUT, "the cell [%g %g; %g %g] must be finite with a positive determinant",
                    cell[0], cell[1], cell[2], cell[3]);
+  double longest = fmax(hypot(cell[0], cell[2]), hypot(cell[1], cell[3]));
+  if (longest > sqrt(most_distorted) * sqrt(det))
+    return gh_fail(e->ctx, GH_INPUT, "the cell [%g %g; %g %g] is distorted beyond use", cell[0], cell[1],
+                   cell[2], cell[3]);
+  if (e->area > most_filled * det)
+    return gh_fail(
+        e->ctx, GH_INPUT,
+        "the cell [%g %g; %g %g] is compressed too far: the grains fill it %.3g times, at most %g is "
+        "possible",
+        cell[0], cell[1], cell[2], cell[3], e->area / det, most_filled);
+  if (e->reach > most_images * lattice_height(cell))
+    return gh_fail(
+        e->ctx, GH_INPUT,
+        "the cell [%g %g; %g %g] is too thin for grains of diameter %g: one would touch more than %g "
+        "images of itself in a row",
+        cell[0], cell[1], cell[2], cell[3], e->reach, most_images);
+  return GH_OK;
+}
+
+gh_status gh_engine_set(gh_engine *e, const double cell[4], const double *x) {
+  if (e->periodic) GH_TRY(check_cell(e, cell));
   GH_TRY(check_positions(e, x));
   return e->ops->set(e->self, cell, x);
 }

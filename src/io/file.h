@@ -29,6 +29,8 @@ typedef struct gh_reader {
  * byte) or above 2 GiB. A byte order mark is dropped. The path is not copied. */
 gh_status gh_reader_open(gh_context *ctx, const char *path, gh_reader *reader);
 void gh_reader_close(gh_reader *reader);
+/* The whole file as a text that the caller frees; errors of gh_reader_open. */
+gh_status gh_file_text(gh_context *ctx, const char *path, char **text);
 /* The next line without its end (LF or CR LF), to be changed at will; NULL at the end. */
 char *gh_reader_line(gh_reader *reader);
 

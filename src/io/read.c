@@ -62,6 +62,14 @@ void gh_reader_close(gh_reader *r) {
   r->text = r->next = NULL;
 }
 
+gh_status gh_file_text(gh_context *ctx, const char *path, char **text) {
+  gh_reader r;
+  *text = NULL;
+  GH_TRY(gh_reader_open(ctx, path, &r));
+  *text = r.text;
+  return GH_OK;
+}
+
 char *gh_reader_line(gh_reader *r) {
   if (*r->next == 0) return NULL;
   char *line = r->next, *end = strchr(line, '\n');

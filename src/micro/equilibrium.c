@@ -41,10 +41,10 @@ static double target(const gh_rve *r) {
  * and leaves a grain's contacts with its own images out of the mean, so that it may have to be asked for a
  * little more. */
 static gh_status relax(gh_rve *r, double tolerance, long *left) {
-  double asked = tolerance;
+  double asked = tolerance, floor = r->floor;
   for (bool met = false; !met;) {
     double start = gh_seconds();
-    gh_relax_options o = {.tolerance = asked, .max_steps = *left, .floor = r->floor};
+    gh_relax_options o = {.tolerance = asked, .max_steps = *left, .floor = floor};
     gh_relax_result result;
     GH_TRY(gh_engine_relax(r->engine, &o, &result));
     *left -= result.steps;
@@ -59,6 +59,7 @@ static gh_status relax(gh_rve *r, double tolerance, long *left) {
                      "force is %.3g of the mean contact force, wanted %.3g",
                      r->m.steps, r->F[0], r->F[1], r->F[2], r->F[3], r->m.residual, tolerance);
     asked *= 0.5 * fmin(1, tolerance / r->m.residual);
+    floor *= 0.5;
   }
   return GH_OK;
 }
@@ -114,10 +115,20 @@ static gh_status polish(gh_rve *r, bool *done) {
   }
 }
 
+/* What round-off of the positions hides: long cells and packings far from the origin have coarse positions.
+ */
+static void find_limits(gh_rve *r, const double cell[4]) {
+  r->extent = hypot(cell[0], cell[2]) + hypot(cell[1], cell[3]);
+  for (int k = 0; k < 2 * r->n; k++) r->extent = fmax(r->extent, fabs(r->x[k]));
+  double E = r->options.law.normal_stiffness;
+  r->floor = fmax(1e-13 * E * gh_packing_mean_radius(r->packing), 4 * DBL_EPSILON * E * r->extent);
+}
+
 gh_status gh_rve_equilibrate(gh_rve *r) {
   double cell[4];
   double start = gh_seconds();
   gh_mul2(r->F, r->packing->cell, cell);
+  find_limits(r, cell);
   GH_TRY(gh_engine_set(r->engine, cell, r->x));
   r->cost.set += gh_seconds() - start;
   if (!r->relaxes) return gh_rve_look_at_contacts(r);

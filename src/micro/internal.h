@@ -67,7 +67,7 @@ struct gh_rve {
   bool periodic, relaxes;
   double volume; /* of the reference cell */
   double floor;  /* mean normal force at or below which the packing counts as unjammed */
-  double extent; /* largest distance in the reference cell: sets round-off of the forces */
+  double extent; /* of the cell and the positions: sets round-off of the forces */
   const double *radius;
   const unsigned char *held;
   double *X;    /* n x 2 reference positions */

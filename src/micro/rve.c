@@ -92,10 +92,7 @@ gh_status gh_rve_create(gh_context *ctx, const gh_packing *packing, const gh_rve
   GH_TRY_OR(gh_packing_copy(ctx, packing, &r->packing), failed);
   if (!r->periodic) GH_TRY_OR(gh_cluster_create(ctx, packing, &r->cluster), failed);
   r->n = r->cluster ? r->cluster->n : packing->n;
-  const double *L = packing->cell;
-  r->volume = gh_det2(L);
-  r->extent = hypot(L[0], L[2]) + hypot(L[1], L[3]);
-  r->floor = 1e-13 * options->law.normal_stiffness * gh_packing_mean_radius(packing);
+  r->volume = gh_det2(packing->cell);
   GH_TRY_OR(make_engine(r), failed);
   GH_TRY_OR(make_state(r), failed);
   if (r->relaxes) {
@@ -125,6 +122,8 @@ static gh_status evaluate(gh_rve *r, unsigned want, double A[16]) {
     GH_TRY(gh_rattlers_find(r->ctx, r->rattlers, r->n, r->held, r->contacts, r->ncontacts, r->m.mean_force,
                             &r->m.rattlers));
   GH_TRY(gh_rve_sums(r));
+  if (!gh_finite(r->m.P, 4) || !isfinite(r->m.energy))
+    return gh_fail(r->ctx, GH_DIVERGED, "the stress of the packing is not finite");
   return want & GH_WANT_TANGENT ? gh_rve_tangent(r, A) : GH_OK;
 }
 

@@ -87,7 +87,7 @@ static gh_status factor_of_equilibrium(gh_rve *r) {
 
 gh_status gh_rve_tangent(gh_rve *r, double A[16]) {
   memset(A, 0, 16 * sizeof *A);
-  if (r->m.unjammed) return GH_OK;
+  if (r->m.unjammed) return r->m.acoustic = r->m.acoustic_angle = 0, GH_OK;
   double start = gh_seconds();
   if (r->relaxes) GH_TRY(factor_of_equilibrium(r));
   direct_part(r, A);

@@ -53,6 +53,41 @@ static void wrap(const gh_packing *p, const double inverse[4], double x[2]) {
   for (int a = 0; a < 2; a++) x[a] -= p->cell[2 * a] * k[0] + p->cell[2 * a + 1] * k[1];
 }
 
+/* Index of a grain by its place. */
+typedef struct place {
+  double x[2];
+  int i;
+} place;
+
+static int by_place(const void *a, const void *b) {
+  const place *p = a, *q = b;
+  for (int k = 0; k < 2; k++)
+    if (p->x[k] != q->x[k]) return p->x[k] < q->x[k] ? -1 : 1;
+  return 0;
+}
+
+/* Grains at one place have no direction to push, and a cell that its grains fill many times is a mistake of
+ * units or of columns. */
+static gh_status check_places(gh_context *ctx, const char *path, const gh_packing *p) {
+  static const double most_filled = 20;
+  double area = 0;
+  for (int i = 0; i < p->n; i++) area += acos(-1) * p->radius[i] * p->radius[i];
+  if (!(area <= most_filled * gh_det2(p->cell)))
+    return gh_fail(ctx, GH_INPUT, "%s: the grains fill the cell %.3g times, at most %g is possible", path,
+                   area / gh_det2(p->cell), most_filled);
+  place *all;
+  GH_TRY(gh_alloc(ctx, (size_t)p->n, sizeof *all, &all));
+  for (int i = 0; i < p->n; i++) all[i] = (place){{p->x[2 * i], p->x[2 * i + 1]}, i};
+  qsort(all, (size_t)p->n, sizeof *all, by_place);
+  gh_status status = GH_OK;
+  for (int k = 1; k < p->n && status == GH_OK; k++)
+    if (by_place(&all[k - 1], &all[k]) == 0)
+      status = gh_fail(ctx, GH_INPUT, "%s: grains %d and %d are at one place, (%g, %g)", path,
+                       p->id[all[k - 1].i], p->id[all[k].i], all[k].x[0], all[k].x[1]);
+  free(all);
+  return status;
+}
+
 static gh_status fill(gh_context *ctx, const char *path, const gh_lammps_data *d, entry *order,
                       gh_packing *p) {
   p->cell[0] = d->high[0] - d->low[0];
@@ -82,7 +117,7 @@ static gh_status fill(gh_context *ctx, const char *path, const gh_lammps_data *d
     p->x[2 * i + 1] = d->x[3 * k + 1];
     wrap(p, inverse, &p->x[2 * i]);
   }
-  return GH_OK;
+  return check_places(ctx, path, p);
 }
 
 gh_status gh_packing_read(gh_context *ctx, const char *path, gh_packing **packing) {

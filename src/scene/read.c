@@ -1,5 +1,6 @@
 /* Reads a scene file and what it names. Every complaint begins with file:line.
  * SPDX-License-Identifier: GPL-2.0-or-later */
+#include "io/file.h"
 #include "scene/read.h"
 
 #include <float.h>
@@ -182,7 +183,9 @@ static gh_status read_rectangle(gh_scene *s, node n) {
   if ((double)elements[0] * elements[1] > MOST_ELEMENTS)
     return gh_yaml_fail(part, "%d x %d elements are more than %d", elements[0], elements[1], MOST_ELEMENTS);
   if (gh_yaml_has(part = gh_yaml_get(n, "low"))) GH_TRY(scene_pair(part, "low", low));
-  return gh_mesh_rectangle(s->ctx, low, size, elements, &s->mesh);
+  gh_status status = gh_mesh_rectangle(s->ctx, low, size, elements, &s->mesh);
+  if (status != GH_OK) gh_prefix(s->ctx, status, "%s:%d: rectangle: ", gh_yaml_path(n), gh_yaml_line(n));
+  return status;
 }
 
 static gh_status read_mesh(gh_scene *s, node root, const char *folder) {
@@ -316,24 +319,6 @@ static gh_status read_root(gh_scene *s, node root, const char *folder) {
   return read_packing(s, root, folder);
 }
 
-/* The file as it is, for run.json. */
-static gh_status keep_text(gh_scene *s, const char *path) {
-  FILE *file = fopen(path, "rb");
-  if (!file) return gh_fail(s->ctx, GH_INPUT, "%s: cannot be opened", path);
-  size_t length = 0, capacity = 0, got;
-  gh_status status;
-  do {
-    GH_TRY_OR(gh_grow(s->ctx, length + 4097, 1, &capacity, &s->text), done);
-    got = fread(s->text + length, 1, 4096, file);
-    length += got;
-  } while (got > 0);
-  s->text[length] = 0;
-  status = ferror(file) ? gh_fail(s->ctx, GH_INPUT, "%s: cannot be read", path) : GH_OK;
-done:
-  fclose(file);
-  return status;
-}
-
 gh_status gh_scene_read(gh_context *ctx, const char *path, gh_scene **scene) {
   *scene = NULL;
   gh_yaml *doc = NULL;
@@ -353,7 +338,7 @@ gh_status gh_scene_read(gh_context *ctx, const char *path, gh_scene **scene) {
     status = gh_fail(ctx, GH_MEMORY, "no memory for a path");
     goto done;
   }
-  GH_TRY_OR(keep_text(s, path), done);
+  GH_TRY_OR(gh_file_text(ctx, path, &s->text) /* as it is, for run.json */, done);
   GH_TRY_OR(read_root(s, gh_yaml_root(doc), folder), done);
   GH_TRY_OR(scene_program_create(s), done);
   GH_TRY_OR(scene_program_check(s), done);

@@ -1,5 +1,6 @@
 /* What a folder of results tells those who draw it. SPDX-License-Identifier: GPL-2.0-or-later
  */
+#include "io/file.h"
 #include "scene/page.h"
 
 #include <cjson/cJSON.h>
@@ -9,22 +10,6 @@
 static void take(const cJSON *object, const char *key, char *out, size_t size) {
   const cJSON *item = cJSON_GetObjectItemCaseSensitive(object, key);
   snprintf(out, size, "%s", cJSON_IsString(item) ? item->valuestring : "");
-}
-
-static gh_status read_text(gh_context *ctx, const char *path, char **text) {
-  FILE *file = fopen(path, "rb");
-  if (!file) return gh_fail(ctx, GH_INPUT, "%s: cannot be opened; is this a folder of results?", path);
-  size_t length = 0, capacity = 0, got;
-  gh_status status = GH_OK;
-  do {
-    status = gh_grow(ctx, length + 4097, 1, &capacity, text);
-    if (status != GH_OK) break;
-    got = fread(*text + length, 1, 4096, file);
-    length += got;
-    (*text)[length] = 0;
-  } while (got > 0);
-  fclose(file);
-  return status;
 }
 
 static void fill(const cJSON *root, scene_labels *l) {
@@ -48,7 +33,7 @@ gh_status scene_labels_read(gh_context *ctx, const char *folder, scene_labels *l
   *l = (scene_labels){0};
   char *path = gh_path_join(folder, "run.json"), *text = NULL;
   if (!path) return gh_fail(ctx, GH_MEMORY, "no memory for a path");
-  gh_status status = read_text(ctx, path, &text);
+  gh_status status = gh_file_text(ctx, path, &text);
   if (status == GH_OK) {
     cJSON *root = cJSON_Parse(text);
     if (root) fill(root, l);
@@ -70,22 +55,23 @@ gh_status scene_open_h5(gh_context *ctx, const char *folder, const char *name, g
   return status;
 }
 
+static gh_status count_rows(gh_context *ctx, gh_h5 *file, const char *name, size_t cols, size_t *rows) {
+  size_t c;
+  GH_TRY(gh_h5_size(file, name, rows, &c));
+  if (c == cols) return GH_OK;
+  return gh_fail(ctx, GH_INPUT, "dataset %s has %zu columns instead of %zu", name, c, cols);
+}
+
 gh_status scene_get_doubles(gh_context *ctx, gh_h5 *file, const char *name, size_t *rows, size_t cols,
                             double **data) {
-  size_t r, c;
-  GH_TRY(gh_h5_size(file, name, &r, &c));
-  if (c != cols) return gh_fail(ctx, GH_INPUT, "dataset %s has %zu columns instead of %zu", name, c, cols);
-  GH_TRY(gh_alloc(ctx, r * c, sizeof **data, data));
-  *rows = r;
-  return gh_h5_get_doubles(file, name, r, c, *data);
+  GH_TRY(count_rows(ctx, file, name, cols, rows));
+  GH_TRY(gh_alloc(ctx, *rows * cols, sizeof **data, data));
+  return gh_h5_get_doubles(file, name, *rows, cols, *data);
 }
 
 gh_status scene_get_ints(gh_context *ctx, gh_h5 *file, const char *name, size_t *rows, size_t cols,
                          int **data) {
-  size_t r, c;
-  GH_TRY(gh_h5_size(file, name, &r, &c));
-  if (c != cols) return gh_fail(ctx, GH_INPUT, "dataset %s has %zu columns instead of %zu", name, c, cols);
-  GH_TRY(gh_alloc(ctx, r * c, sizeof **data, data));
-  *rows = r;
-  return gh_h5_get_ints(file, name, r, c, *data);
+  GH_TRY(count_rows(ctx, file, name, cols, rows));
+  GH_TRY(gh_alloc(ctx, *rows * cols, sizeof **data, data));
+  return gh_h5_get_ints(file, name, *rows, cols, *data);
 }

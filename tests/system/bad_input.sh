@@ -190,6 +190,103 @@ bad 'a coordinate that is NaN' 'bad.data:12: .*nan'
 packing '12s/0\.0$/0.5/'
 bad 'a grain out of the plane' 'bad.data:12: '
 
+packing "13s/ [-0-9.]* [-0-9.]* 0\.0\$/ $(sed -n 12p ok.data | cut -d ' ' -f 5,6) 0.0/"
+bad 'two grains at one place' 'bad.data: grains 1 and 2 are at one place'
+packing 's/^.*xlo xhi/0 1e-9 xlo xhi/'
+bad 'a cell far too small for its grains' 'bad.data: the grains fill the cell .* times'
+packing 's/^150 atoms/150000 atoms/'
+bad 'fewer grains than the header says' 'bad.data:[0-9]+: 150 atoms, but the header .* says 150000'
+packing '12s/ 1 / 7 /'
+bad 'a type beyond the number of types' "bad.data:12: type '7'"
+echo 'packing: .' | scene packing >scene.yaml
+bad 'a folder for a packing' 'scene.yaml:1: .*is a folder'
+
+# More of scenes and meshes
+with mesh <<'E'
+mesh: {rectangle: {size: [10, 1e-300], elements: [2, 2]}}
+E
+bad 'a mesh without area' 'scene.yaml:5: .*element 0 .*inverted'
+with mesh <<'E'
+mesh: {rectangle: {size: [10, 10], elements: [100000, 100000]}}
+E
+bad 'a mesh beyond all memory' 'scene.yaml:5: .*elements are more than'
+mesh_file() { # with the third of its four corners at $1
+  cat >bad.msh <<E
+\$MeshFormat
+2.2 0 8
+\$EndMeshFormat
+\$Nodes
+4
+1 0 0 0
+2 1 0 0
+3 $1 0
+4 0 1 0
+\$EndNodes
+\$Elements
+1
+1 3 2 1 1 1 2 3 4
+\$EndElements
+E
+}
+echo 'mesh: {gmsh: bad.msh}' | scene mesh >scene.yaml
+mesh_file '0.1 0.1'
+bad 'a mesh file with an element that is not convex' 'scene.yaml:5: .*bad.msh:13: quadrilateral 1 is inverted or not convex'
+mesh_file 'nan 1'
+bad 'a mesh file with NaN' 'scene.yaml:5: .*bad.msh:8: '
+: >bad.msh
+bad 'an empty mesh file' 'scene.yaml:5: .*bad.msh:1: the file is empty'
+head -c 100000 /dev/zero | tr '\0' '[' >scene.yaml
+bad 'a scene of brackets' 'scene.yaml:1: more than 200 brackets are open'
+with steps <<'E'
+steps:
+  - {increments: 1, displace: [{edge: top, y: .nan}]}
+E
+bad 'a displacement that is NaN' 'scene.yaml:10: .*nan'
+with extra <<'E'
+output: {rves: [999]}
+E
+bad 'an integration point to record that is not there' 'scene.yaml:[0-9]+: .*999.*15'
+with extra <<'E'
+solver: {method: magic}
+E
+bad 'a solver that does not exist' 'scene.yaml:[0-9]+: .*magic.*newton'
+
+# A packing without contacts is none of these: it is computed, and the failure says which points carry nothing
+awk 'NF == 7 && $4 == 1 { $3 *= 0.2 } { print }' ok.data >bad.data
+echo 'packing: bad.data' | scene packing >scene.yaml
+"$granhom" run scene.yaml -o loose --quiet >log 2>err; code=$?
+if [ $code = 1 ] && grep -q '16 of 16 integration points are unjammed .*: 0, 1, 2' err; then
+  echo 'ok - a packing without contacts: exit 1, the unjammed points are named'
+else
+  echo "not ok - a packing without contacts: exit $code"
+  sed 's/^/#   /' err
+  failed=1
+fi
+
+# Pictures
+scene >scene.yaml
+"$granhom" run scene.yaml -o good --quiet >log 2>err
+# badplot WHAT PATTERN ARGUMENTS...: a single message, exit status 2
+badplot() {
+  what=$1 pattern=$2
+  shift 2
+  "$granhom" plot "$@" >log 2>err; code=$?
+  if [ $code = 2 ] && grep -Eq "$pattern" err && [ "$(grep -c '^granhom' err)" = 1 ]; then echo "ok - plot: $what"
+  else echo "not ok - plot: $what: exit $code"; sed 's/^/#   /' err; failed=1; fi
+}
+badplot 'a folder that does not exist' 'nothere: holds no results' nothere
+badplot 'a file for a folder' 'file: holds no results' file
+badplot 'a folder without results' 'holds no results' .
+badplot 'no folder' 'a folder of results is needed'
+badplot 'an unknown option' "no option '--foo'" good --foo
+badplot 'a point that is not recorded' 'integration point 99 is not recorded' good --point 99
+badplot 'a point that is no number' "'x' is no number" good --point x
+cp -r good cut
+head -c 3000 good/results.h5 >cut/results.h5
+badplot 'a truncated file of results' 'cut/results.h5: cannot open it' cut
+echo '{' >cut/run.json
+badplot 'a broken run.json' 'cut/run.json: is no JSON' cut
+
 # Options
 "$granhom" run 2>err; code=$?
 [ $code = 2 ] && grep -q 'scene file is needed' err && echo 'ok - run without arguments' || { echo 'not ok - run without arguments'; failed=1; }

@@ -293,7 +293,10 @@ static void what_has_no_direction_or_no_room(void **state) {
   FAILS(gh_engine_set(e, s.cell, s.x), GH_DIVERGED, "grains 1 and 2 coincide");
   s.x[2] = 5;
   OK(gh_engine_set(e, s.cell, s.x));
-  FAILS(gh_engine_set(e, (double[4]){1e-9, 0, 0, 10}, s.x), GH_INPUT, "too thin");
+  FAILS(gh_engine_set(e, (double[4]){1e-2, 0, 0, 100}, s.x), GH_INPUT, "too thin");
+  FAILS(gh_engine_set(e, (double[4]){1e-9, 0, 0, 10}, s.x), GH_INPUT, "the grains fill it 6.28e+08 times");
+  FAILS(gh_engine_set(e, (double[4]){1e-9, 0, 0, 1e10}, s.x), GH_INPUT, "distorted beyond use");
+  FAILS(gh_engine_set(e, (double[4]){10, 1e8, 0, 10}, s.x), GH_INPUT, "distorted beyond use");
   gh_engine_destroy(&e);
 }
 

@@ -55,6 +55,8 @@ static void faults_are_named_with_their_line(void **state) {
       {HEAD "\nAtoms\n\n1 1 1 1 1 1 0\n2 1 1 1", ":11: 4 words"},
       {HEAD "0 0.1 0 xy xz yz\n\nAtoms\n\n1 1 1 1 1 1 0\n2 1 1 1 3 1 0\n", "xz = 0.1 and yz = 0 tilt"},
       {HEAD "0 0 -0.1 xy xz yz\n\nAtoms\n\n1 1 1 1 1 1 0\n2 1 1 1 3 1 0\n", "xz = 0 and yz = -0.1 tilt"},
+      {HEAD "\nAtoms\n\n7 1 1 1 1 1 0\n2 1 1 1 5 1 0\n", "grains 2 and 7 are at one place, (1, 1)"},
+      {HEAD "\nAtoms\n\n1 1 20 1 1 1 0\n2 1 1 1 3 1 0\n", "the grains fill the cell 39.4 times"},
       {"t\n0 atoms\n", ":2: the number of atoms is '0'"},
       {"", "empty"},
   };

@@ -210,8 +210,8 @@ static gh_status make_box(bridge *e, int types) {
   GH_TRY(gh_lmp_command(ctx, lmp, "boundary %s", e->periodic ? "p p p" : "f f p"));
   double z = 0; /* LAMMPS refuses a box that is thin against the reach of the contacts */
   for (int i = 0; i < e->n; i++) z = fmax(z, e->radius[i]);
-  GH_TRY(gh_lmp_command(ctx, lmp, "region cell %s 0 1 0 1 %.17g %.17g%s", e->periodic ? "prism" : "block", -z, z,
-                        e->periodic ? " 0 0 0" : ""));
+  GH_TRY(gh_lmp_command(ctx, lmp, "region cell %s 0 1 0 1 %.17g %.17g%s", e->periodic ? "prism" : "block", -z,
+                        z, e->periodic ? " 0 0 0" : ""));
   return gh_lmp_command(ctx, lmp, "create_box %d cell", types);
 }
 
@@ -254,7 +254,8 @@ static gh_status set_styles(bridge *e, double stiffness) {
   for (int i = 0; i < e->n; i++) mean += e->radius[i] / e->n;
   int free_bit;
   GH_TRY(gh_lmp_command(ctx, lmp, "neighbor %.17g bin", SKIN * mean));
-  GH_TRY(gh_lmp_command(ctx, lmp, "neigh_modify every 1 delay 0 check yes"));
+  /* one: the largest grain of a wide size distribution has thousands of candidates around it */
+  GH_TRY(gh_lmp_command(ctx, lmp, "neigh_modify every 1 delay 0 check yes one 10000"));
   GH_TRY(gh_lmp_command(ctx, lmp, "pair_style granhom/normal"));
   GH_TRY(gh_lmp_command(ctx, lmp, "pair_coeff * * %.17g", stiffness));
   GH_TRY(gh_lmp_command(ctx, lmp, "group free empty"));
@@ -304,6 +305,26 @@ failed:
 
 /* ---- the engine's calls ---- */
 
+/* LAMMPS sorts grains into bins of half their reach, and packings that fly apart would fill the memory with
+ * empty ones. */
+static gh_status check_bins(const bridge *e) {
+  static const double most_bins = 1e7;
+  double low[2] = {INFINITY, INFINITY}, high[2] = {-INFINITY, -INFINITY}, mean = 0, largest = 0;
+  for (int i = 0; i < e->n; i++) {
+    for (int k = 0; k < 2; k++) {
+      low[k] = fmin(low[k], e->given[2 * i + k]);
+      high[k] = fmax(high[k], e->given[2 * i + k]);
+    }
+    mean += e->radius[i] / e->n;
+    largest = fmax(largest, e->radius[i]);
+  }
+  double bin = largest + SKIN * mean / 2, width[2] = {high[0] - low[0] + 4 * bin, high[1] - low[1] + 4 * bin};
+  if (e->periodic) width[0] = e->t[0], width[1] = e->t[3];
+  if (width[0] / bin * (width[1] / bin) <= most_bins) return GH_OK;
+  return gh_fail(e->ctx, GH_INPUT, "the %s of %g by %g is too large for LAMMPS with grains of diameter %g",
+                 e->periodic ? "cell" : "packing", width[0], width[1], 2 * largest);
+}
+
 static gh_status bridge_set(void *self, const double cell[4], const double *x) {
   bridge *e = self;
   double start = gh_seconds();
@@ -312,7 +333,9 @@ static gh_status bridge_set(void *self, const double cell[4], const double *x) {
     split_cell(e);
   }
   memcpy(e->given, x, 2 * (size_t)e->n * sizeof(double));
-  gh_status status = evaluate(e, write_set);
+  e->valid = false;
+  gh_status status = check_bins(e);
+  if (status == GH_OK) status = evaluate(e, write_set);
   e->cost.set_seconds += gh_seconds() - start;
   return status;
 }
