@@ -97,7 +97,8 @@ gh_status gh_jump_explain(gh_macro *m, const gh_attempt *a, const gh_macro_repor
     snprintf(change, sizeof change, "; the stress changes most abruptly at integration point %d (by %.3g)",
              m->jump.point, m->jump.change);
   gh_name_unjammed(m, unjammed, sizeof unjammed);
-  if (*unjammed) snprintf(loose, sizeof loose, "; %s", unjammed);
+  if (*unjammed && !strstr(gh_message(m->ctx), unjammed)) /* the reason may have said it */
+    snprintf(loose, sizeof loose, "; %s", unjammed);
   double acoustic = softest(m, &point);
   return gh_fail(m->ctx, GH_DIVERGED,
                  "no equilibrium after %d cuts and %d passed jumps: %s; residual %.3g%s%s; "
