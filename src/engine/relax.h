@@ -27,10 +27,10 @@ typedef struct gh_relax_state {
   double *x, *v, *f; /* n x 2: positions, velocities of the last half step, forces */
   const double *x0;  /* n x 2: positions at which the pairs were found */
   double slack;      /* leave when a grain is farther than this from x0 (half the skin) */
-  int started;  /* 0: v is not yet set (4.41); a new relaxation begins with 0, a new pair list goes on with 1
-                 */
-  double damping;            /* of the last step; 0 at the start; carried from list to list like `started` */
-  double *work; /* gh_relax_work(n, npairs) doubles, any content */
+  int started; /* 0: v is not yet set (4.41); a new relaxation begins with 0, a new pair list goes on with 1
+                */
+  double damping; /* of the last step; 0 at the start; carried from list to list like `started` */
+  double *work;   /* gh_relax_work(n, npairs) doubles, any content */
 } gh_relax_state;
 
 /* Doubles of work space. */

@@ -55,7 +55,7 @@ private:
   PairNormal *pair;
 
   state ended;
-  bool fresh; /* the next step begins a new relaxation */
+  bool fresh;     /* the next step begins a new relaxation */
   double damping; /* of the kernel's last step, carried from list to list */
   double residual, mean_force;
   long steps, rebuilds, builds_at_start;
