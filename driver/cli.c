@@ -44,8 +44,10 @@ static void progress_line(void *data, const gh_progress *p) {
   duration(p->left, left);
   if (isfinite(p->rate)) snprintf(rate, sizeof rate, ", %.3g/s", p->rate);
   clear_line();
-  fprintf(stderr, "%s: %.0f of %.0f %s, %s%s", p->label, p->done, p->total, p->unit, taken, rate);
-  if (!p->end) fprintf(stderr, ", about %s left", left);
+  bool known = isfinite(p->total);
+  if (known) fprintf(stderr, "%s: %.0f of %.0f %s, %s%s", p->label, p->done, p->total, p->unit, taken, rate);
+  else fprintf(stderr, "%s: %.0f %s, %s%s", p->label, p->done, p->unit, taken, rate);
+  if (!p->end && known) fprintf(stderr, ", about %s left", left);
   if (!screen.terminal || p->end) fprintf(stderr, "\n");
   else screen.line = true;
   fflush(stderr);

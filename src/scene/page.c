@@ -2,10 +2,12 @@
  * SPDX-License-Identifier: GPL-2.0-or-later */
 #include "scene/page.h"
 
+#include <cairo-svg.h>
 #include <stdlib.h>
 #include <string.h>
 
 static const char *const FONT = "sans-serif";
+static const double PI = 3.14159265358979323846;
 
 /* ---- colours ---- */
 
@@ -22,9 +24,22 @@ void scene_colour(double t, double rgb[3]) {
 
 /* ---- a page ---- */
 
-gh_status scene_page_open(gh_context *ctx, scene_page *p, int width, int height) {
+bool scene_has_ending(const char *path, const char *ending) {
+  size_t n = strlen(path), m = strlen(ending);
+  return n > m && strcmp(path + n - m, ending) == 0;
+}
+
+static cairo_status_t collect(void *text, const unsigned char *bytes, unsigned int length) {
+  gh_text_print(text, "%.*s", (int)length, (const char *)bytes);
+  return CAIRO_STATUS_SUCCESS;
+}
+
+gh_status scene_page_open(gh_context *ctx, scene_page *p, int width, int height, const char *path) {
   *p = (scene_page){.ctx = ctx, .width = width, .height = height};
-  p->surface = cairo_image_surface_create(CAIRO_FORMAT_RGB24, width, height);
+  if (scene_has_ending(path, ".svg")) {
+    GH_TRY(gh_text_create(ctx, &p->svg));
+    p->surface = cairo_svg_surface_create_for_stream(collect, p->svg, width, height);
+  } else p->surface = cairo_image_surface_create(CAIRO_FORMAT_RGB24, width, height);
   p->c = cairo_create(p->surface);
   if (cairo_status(p->c) != CAIRO_STATUS_SUCCESS) return gh_fail(ctx, GH_MEMORY, "no memory for a picture");
   cairo_set_source_rgb(p->c, 1, 1, 1);
@@ -36,12 +51,20 @@ gh_status scene_page_open(gh_context *ctx, scene_page *p, int width, int height)
 }
 
 void scene_page_close(scene_page *p) {
-  cairo_destroy(p->c);
-  cairo_surface_destroy(p->surface);
+  if (p->c) cairo_destroy(p->c);
+  if (p->surface) cairo_surface_destroy(p->surface);
+  gh_text_destroy(&p->svg);
 }
 
-/* To PNG.tmp, then into place. */
-gh_status scene_page_write(scene_page *p, const char *png) {
+static gh_status write_svg(scene_page *p, const char *svg) {
+  cairo_surface_finish(p->surface);
+  if (cairo_surface_status(p->surface) != CAIRO_STATUS_SUCCESS)
+    return gh_fail(p->ctx, GH_MEMORY, "%s: cannot be drawn: %s", svg,
+                   cairo_status_to_string(cairo_surface_status(p->surface)));
+  return gh_text_commit(p->svg, svg);
+}
+
+static gh_status write_png(scene_page *p, const char *png) {
   size_t length = strlen(png) + 5;
   char *tmp;
   GH_TRY(gh_alloc(p->ctx, length, 1, &tmp));
@@ -52,6 +75,10 @@ gh_status scene_page_write(scene_page *p, const char *png) {
                                                          cairo_status_to_string(s));
   free(tmp);
   return status;
+}
+
+gh_status scene_page_write(scene_page *p, const char *path) {
+  return p->svg ? write_svg(p, path) : write_png(p, path);
 }
 
 /* Fits [low, high] into the pixels [x, x + w] x [y, y + h], in the middle. */
@@ -69,6 +96,44 @@ double scene_px(const scene_page *p, double x) {
 }
 double scene_py(const scene_page *p, double y) {
   return p->bottom - p->scale * (y - p->low[1]);
+}
+
+void scene_page_fit_cell(scene_page *p, const double cell[4], const double low[2], double margin, double x,
+                         double y, double w, double h) {
+  double least[2] = {INFINITY, INFINITY}, most[2] = {-INFINITY, -INFINITY};
+  for (int k = 0; k < 4; k++) {
+    double corner[2] = {k & 1, k >> 1};
+    gh_apply2(cell, corner, corner);
+    for (int i = 0; i < 2; i++)
+      least[i] = fmin(least[i], low[i] + corner[i]), most[i] = fmax(most[i], low[i] + corner[i]);
+  }
+  for (int i = 0; i < 2; i++) least[i] -= margin, most[i] += margin;
+  scene_page_fit(p, least, most, x, y, w, h);
+  cairo_rectangle(p->c, scene_px(p, least[0]), scene_py(p, most[1]), p->scale * (most[0] - least[0]),
+                  p->scale * (most[1] - least[1]));
+}
+
+void scene_page_disk(scene_page *p, const double x[2], double radius, const double fill[3],
+                     const double outline[3], double line) {
+  cairo_new_sub_path(p->c);
+  cairo_arc(p->c, scene_px(p, x[0]), scene_py(p, x[1]), p->scale * radius, 0, 2 * PI);
+  cairo_set_source_rgb(p->c, fill[0], fill[1], fill[2]);
+  cairo_fill_preserve(p->c);
+  cairo_set_source_rgb(p->c, outline[0], outline[1], outline[2]);
+  cairo_set_line_width(p->c, line);
+  cairo_stroke(p->c);
+}
+
+void scene_page_frame(scene_page *p, const double cell[4], const double low[2]) {
+  static const double at[4][2] = {{0, 0}, {1, 0}, {1, 1}, {0, 1}};
+  for (int k = 0; k < 4; k++) {
+    double v[2];
+    gh_apply2(cell, at[k], v);
+    if (k == 0) cairo_move_to(p->c, scene_px(p, low[0] + v[0]), scene_py(p, low[1] + v[1]));
+    else cairo_line_to(p->c, scene_px(p, low[0] + v[0]), scene_py(p, low[1] + v[1]));
+  }
+  cairo_close_path(p->c);
+  cairo_stroke(p->c);
 }
 
 /* Text at (x, y), `align` of its width to the left of x: 0 starts there, 0.5 is centred, 1 ends there. */

@@ -15,17 +15,29 @@ typedef struct scene_page {
   cairo_t *c;
   double low[2], scale, left, bottom; /* pixel = left + scale (x - low), bottom - scale (y - low) */
   int width, height;
+  gh_text *svg; /* collects an SVG; NULL: pixels for a PNG */
 } scene_page;
 
-gh_status scene_page_open(gh_context *ctx, scene_page *p, int width, int height);
+/* The ending of `path` chooses: .svg, else pixels. */
+gh_status scene_page_open(gh_context *ctx, scene_page *p, int width, int height, const char *path);
 void scene_page_close(scene_page *p);
-/* To PNG.tmp, then into place. */
-gh_status scene_page_write(scene_page *p, const char *png);
+/* To PATH.tmp, then into place. The last thing done with a page. */
+gh_status scene_page_write(scene_page *p, const char *path);
+bool scene_has_ending(const char *path, const char *ending);
 /* Fits [low, high] into the pixels [x, x + w] x [y, y + h], in the middle. */
 void scene_page_fit(scene_page *p, const double low[2], const double high[2], double x, double y, double w,
                     double h);
 double scene_px(const scene_page *p, double x);
 double scene_py(const scene_page *p, double y);
+/* Fits the parallelogram of `cell` (columns) at `low` with a margin around it, given in its units; leaves the
+ * fitted rectangle as the path of the page. */
+void scene_page_fit_cell(scene_page *p, const double cell[4], const double low[2], double margin, double x,
+                         double y, double w, double h);
+/* A disk at a point of the plane, with an outline of `line` pixels. */
+void scene_page_disk(scene_page *p, const double x[2], double radius, const double fill[3],
+                     const double outline[3], double line);
+/* The outline of a cell in the present colour and line width. */
+void scene_page_frame(scene_page *p, const double cell[4], const double low[2]);
 /* Text at (x, y), `align` of its width to the left of x: 0 starts there, 0.5 is centred, 1 ends there. */
 void scene_page_text(scene_page *p, double x, double y, double size, double align, const char *text);
 /* Dark blue over green to yellow, of evenly rising lightness; t in [0, 1]. */
@@ -35,6 +47,12 @@ void scene_colour_bar(scene_page *p, double low, double high, const char *title)
 const char *scene_label(char out[160], const char *name, const char *unit);
 /* A step of 1, 2 or 5 times a power of ten that divides `range` into about five. */
 double scene_tick_step(double range);
+
+/* ---- picture_packing.c ---- */
+
+extern const double scene_tone_inner[3], scene_tone_boundary[3]; /* of grains in I and in B */
+gh_status scene_picture_check(gh_context *ctx,
+                              const char *path); /* GH_INPUT unless it ends in .svg or .png */
 
 /* ---- recorded.c ---- */
 

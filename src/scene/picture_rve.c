@@ -4,8 +4,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const double PI = 3.14159265358979323846;
-
 typedef struct rve_data {
   int point, step, periodic;
   size_t n, ncontacts;
@@ -88,16 +86,13 @@ static void draw_grains(scene_page *p, const rve_data *d) {
     int images = d->periodic ? 1 : 0;
     for (int i = -images; i <= images; i++)
       for (int j = -images; j <= images; j++) {
-        double x = d->x[2 * n] + shift[0] + i * d->cell[0] + j * d->cell[1];
-        double y = d->x[2 * n + 1] + shift[1] + i * d->cell[2] + j * d->cell[3];
+        double x[2];
+        for (int k = 0; k < 2; k++)
+          x[k] = d->x[2 * n + (size_t)k] + shift[k] + i * d->cell[2 * k] + j * d->cell[2 * k + 1];
         bool replica = i || j || (d->flags[n] & 4), rattler = d->flags[n] & 1;
-        double grey = rattler ? 1.0 : replica ? 0.93 : 0.84;
-        cairo_arc(p->c, scene_px(p, x), scene_py(p, y), p->scale * d->radius[n], 0, 2 * PI);
-        cairo_set_source_rgb(p->c, grey, grey, grey);
-        cairo_fill_preserve(p->c);
-        cairo_set_source_rgb(p->c, replica ? 0.8 : 0.55, replica ? 0.8 : 0.55, replica ? 0.8 : 0.55);
-        cairo_set_line_width(p->c, 0.8);
-        cairo_stroke(p->c);
+        double grey = rattler ? 1.0 : replica ? 0.93 : 0.84, dark = replica ? 0.8 : 0.55;
+        scene_page_disk(p, x, d->radius[n], (double[3]){grey, grey, grey}, (double[3]){dark, dark, dark},
+                        0.8);
       }
   }
 }
@@ -136,44 +131,23 @@ static void draw_forces(scene_page *p, const rve_data *d, double most) {
   }
 }
 
-static void draw_frame(scene_page *p, const rve_data *d) {
-  static const double at[4][2] = {{0, 0}, {1, 0}, {1, 1}, {0, 1}};
-  for (int k = 0; k < 4; k++) {
-    double v[2];
-    gh_apply2(d->cell, at[k], v);
-    if (k == 0) cairo_move_to(p->c, scene_px(p, d->low[0] + v[0]), scene_py(p, d->low[1] + v[1]));
-    else cairo_line_to(p->c, scene_px(p, d->low[0] + v[0]), scene_py(p, d->low[1] + v[1]));
-  }
-  cairo_close_path(p->c);
-  cairo_set_source_rgb(p->c, 0.8, 0.15, 0.1);
-  cairo_set_line_width(p->c, 2);
-  cairo_stroke(p->c);
-}
-
-static void rve_fit(scene_page *p, const rve_data *d) {
-  double low[2] = {INFINITY, INFINITY}, high[2] = {-INFINITY, -INFINITY}, radius = 0;
+static double largest_radius(const rve_data *d) {
+  double radius = 0;
   for (size_t n = 0; n < d->n; n++) radius = fmax(radius, d->radius[n]);
-  for (int k = 0; k < 4; k++) {
-    double corner[2] = {k & 1, k >> 1};
-    gh_apply2(d->cell, corner, corner);
-    for (int i = 0; i < 2; i++)
-      low[i] = fmin(low[i], d->low[i] + corner[i]), high[i] = fmax(high[i], d->low[i] + corner[i]);
-  }
-  for (int i = 0; i < 2; i++) low[i] -= radius, high[i] += radius;
-  scene_page_fit(p, low, high, 20, 120, p->width - 40, p->height - 140);
-  cairo_rectangle(p->c, scene_px(p, low[0]), scene_py(p, high[1]), p->scale * (high[0] - low[0]),
-                  p->scale * (high[1] - low[1]));
+  return radius;
 }
 
 static void draw_rve(scene_page *p, const rve_data *d, const scene_labels *l) {
   double most = largest_force(d);
   char text[256];
-  rve_fit(p, d);
+  scene_page_fit_cell(p, d->cell, d->low, largest_radius(d), 20, 120, p->width - 40, p->height - 140);
   cairo_save(p->c);
   cairo_clip(p->c);
   draw_grains(p, d);
   draw_forces(p, d, most);
-  draw_frame(p, d);
+  cairo_set_source_rgb(p->c, 0.8, 0.15, 0.1);
+  cairo_set_line_width(p->c, 2);
+  scene_page_frame(p, d->cell, d->low);
   cairo_restore(p->c);
   cairo_set_source_rgb(p->c, 0.1, 0.1, 0.1);
   snprintf(text, sizeof text, "Integration point %d (element %d), increment %d", d->point, d->point / 4,
@@ -195,7 +169,7 @@ gh_status gh_picture_rve(gh_context *ctx, const char *folder, int point, const c
   GH_TRY(scene_labels_read(ctx, folder, &l));
   gh_status status = rve_data_read(ctx, folder, l.points, point, &d);
   if (status == GH_OK) {
-    status = scene_page_open(ctx, &p, 900, 1000);
+    status = scene_page_open(ctx, &p, 900, 1000, png);
     if (status == GH_OK) draw_rve(&p, &d, &l);
     if (status == GH_OK) status = scene_page_write(&p, png);
     scene_page_close(&p);

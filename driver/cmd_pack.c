@@ -1,0 +1,249 @@
+/* granhom pack: grows packings from a sieve curve. SPDX-License-Identifier: GPL-2.0-or-later */
+#include "cli.h"
+#include "pack_spec.h"
+
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+static const char help[] =
+    "usage: granhom pack SPEC.yaml -o PACKING.data [options]\n"
+    "       granhom pack --sieve SIEVE.csv [--count N] [--dimension 2|3] [--seed S] -o PACKING.data "
+    "[options]\n"
+    "\n"
+    "Grows the grains of a sieve curve in a periodic cell until they jam (event-driven, Lubachevsky and "
+    "Stillinger)\n"
+    "and writes a LAMMPS data file; types are the fractions, from the finest. SPEC.yaml holds options as "
+    "keys\n"
+    "(volume_fraction: 0.8); options on the command line come after it.\n"
+    "\n"
+    "  -o, --output FILE      the packing\n"
+    "  --sieve FILE           CSV with the column diameter and one of count, volume_percent, passing\n"
+    "  --count N              number of grains; default: the counts of the sieve curve\n"
+    "  --dimension D          2 (default) or 3\n"
+    "  --seed S               default 1; the same seed gives the same packing\n"
+    "  --ensemble K           K packings with the seeds S, S+1, ...: PACKING-001.data, PACKING-002.data, "
+    "...\n"
+    "  --picture FILE         .svg or .png\n"
+    "\n"
+    "Growth\n"
+    "  --rate R               growth of the mean diameter over the grains' speed (default 0.001); slower is "
+    "denser and\n"
+    "                         more ordered\n"
+    "  --collision NAME       exchange (3.9, default) or momentum (masses as volumes, momentum is kept)\n"
+    "  --volume-fraction F    stop there; exit status 1 when growth dries up before\n"
+    "  --threshold T          stop when the volume fraction grows by less than T (default 1e-9; 0: never) "
+    "...\n"
+    "  --window C             ... in C collisions per grain (default 1)\n"
+    "  --seconds T            stop after this time\n"
+    "  --cell LX,LY[,LZ]      proportions of the cell (its size follows from the grains); default 1,1[,1]\n"
+    "  --tilt XY[,XZ,YZ]      tilts of the cell, in the same units\n"
+    "\n"
+    "Ready for mechanics (two dimensions)\n"
+    "  --finish GOAL          overlap=X (mean overlap over mean radius) or pressure=P: soft grains in "
+    "equilibrium\n"
+    "  --finish-cell NAME     scaled: the cell keeps its shape; relaxed: until the stress is isotropic; auto "
+    "(default):\n"
+    "                         relaxed for a pressure without --anisotropy\n"
+    "  --normal-stiffness E   force per overlap (default 1)\n"
+    "  --anisotropy A         wanted difference of the principal values of the mean n(x)n over contacts\n"
+    "  --engine NAME          native (default) or lammps\n"
+    "\n"
+    "Exit status: 0 done, 1 growth or equilibrium failed, 2 wrong input.\n";
+
+/* ---- options ---- */
+
+/* One word or two words of the command line; *k is moved past them. A SPEC file has been read before. */
+static gh_status take(gh_context *ctx, int argc, char **argv, int *k, pack_spec *spec) {
+  char *word = argv[*k], name[64], where[80];
+  if (word[0] != '-' || !word[1]) return GH_OK; /* the SPEC file */
+  const char *bare = !strcmp(word, "-o") ? "output" : !strncmp(word, "--", 2) ? word + 2 : "";
+  size_t length = strcspn(bare, "=");
+  snprintf(name, sizeof name, "%.*s", (int)(length < sizeof name ? length : 0), bare);
+  if (!pack_spec_knows(name)) return gh_fail(ctx, GH_INPUT, "there is no option '%s'", word);
+  const char *value = bare[length] ? bare + length + 1 : NULL;
+  if (!value && *k + 1 >= argc) return gh_fail(ctx, GH_INPUT, "%s needs a value", word);
+  if (!value) value = argv[++*k];
+  snprintf(where, sizeof where, "--%s", name);
+  return pack_spec_set(ctx, spec, name, where, value);
+}
+
+/* The words that are no options and no values of options: at most one, the SPEC file. */
+static gh_status find_file(gh_context *ctx, int argc, char **argv, const char **file) {
+  *file = NULL;
+  for (int k = 1; k < argc; k++) {
+    if (argv[k][0] == '-' && argv[k][1]) {
+      k += !strchr(argv[k], '=');
+      continue;
+    }
+    if (*file)
+      return gh_fail(ctx, GH_INPUT, "one specification at a time, not '%s' and '%s'", *file, argv[k]);
+    *file = argv[k];
+  }
+  return GH_OK;
+}
+
+static gh_status parse(gh_context *ctx, int argc, char **argv, pack_spec *spec) {
+  const char *file;
+  GH_TRY(find_file(ctx, argc, argv, &file));
+  if (file) GH_TRY(pack_spec_read(ctx, file, spec));
+  for (int k = 1; k < argc; k++) GH_TRY(take(ctx, argc, argv, &k, spec));
+  return pack_spec_complete(ctx, spec);
+}
+
+/* Growth takes long: what would fail at its end is tried before. */
+static gh_status check_file(gh_context *ctx, const char *path, bool picture) {
+  const char *dot = strrchr(path, '.');
+  if (picture && !(dot && (!strcmp(dot, ".svg") || !strcmp(dot, ".png"))))
+    return gh_fail(ctx, GH_INPUT, "--picture: '%s' ends neither in .svg nor in .png", path);
+  char *folder = gh_path_folder(path);
+  if (!folder) return gh_fail(ctx, GH_MEMORY, "no memory for a path");
+  bool writable = access(folder, W_OK | X_OK) == 0;
+  free(folder);
+  if (!writable) return gh_fail(ctx, GH_SYSTEM, "%s: its folder cannot be written to", path);
+  return GH_OK;
+}
+
+/* ---- results ---- */
+
+static void print_growth(const pack_spec *spec, const gh_grains *grains, const gh_grow_result *r,
+                         unsigned long long seed) {
+  printf("grains                 %d %s, seed %llu\n", grains->n, grains->dim == 2 ? "disks" : "spheres",
+         seed);
+  printf("volume fraction        %.6f: %s\n", r->volume_fraction, gh_grow_stop_text(r->stop));
+  printf("growth rate            %g of the grains' speed, %s\n", spec->grow.rate,
+         spec->grow.collision == GH_COLLISION_EXCHANGE ? "velocities after (3.9)" : "momentum kept");
+  printf("collisions             %.0f in %.2f s, %.3g per second\n", r->collisions, r->seconds, r->rate);
+  printf("other events           %.0f lists, %.0f checks\n", r->transfers, r->checks);
+}
+
+static void print_hull(const gh_hull *h, const gh_packing *p) {
+  printf("boundary grains        %d of %d, ", h->boundary, p->n);
+  if (isinf(h->gap)) printf("not full: the hull has a hole\n");
+  else
+    printf("%s: widest gap %.4g between grains %d and %d, smallest diameter %.4g\n",
+           h->full ? "full" : "not full", h->gap, h->id[0], h->id[1], h->smallest);
+}
+
+static gh_status print_soft(gh_context *ctx, const gh_finish_report *report) {
+  gh_text *text;
+  GH_TRY(gh_text_create(ctx, &text));
+  gh_finish_print(report, text);
+  fputs(gh_text_get(text, NULL), stdout);
+  gh_text_destroy(&text);
+  return GH_OK;
+}
+
+/* What growth made in the plane, soft where that is asked for, as a packing. */
+static gh_status plane(gh_context *ctx, const pack_spec *spec, const gh_grains *grains, const char *path,
+                       const char *picture) {
+  gh_packing *p;
+  gh_hull hull;
+  GH_TRY(gh_grains_packing(ctx, grains, &p));
+  gh_status status = GH_OK;
+  if (spec->finish) {
+    gh_packing *soft = NULL;
+    gh_finish_report report;
+    GH_TRY_OR(gh_finish(ctx, p, &spec->soft_options, &soft, &report), done);
+    gh_packing_destroy(&p);
+    p = soft;
+    GH_TRY_OR(print_soft(ctx, &report), done);
+  }
+  GH_TRY_OR(gh_hull_find(ctx, p, &hull), done);
+  print_hull(&hull, p);
+  GH_TRY_OR(gh_packing_write(ctx, p, path, NULL, NULL), done);
+  if (picture) status = gh_picture_packing(ctx, p, picture);
+done:
+  gh_packing_destroy(&p);
+  return status;
+}
+
+static gh_status deliver(gh_context *ctx, const pack_spec *spec, const gh_grains *grains, const char *path,
+                         const char *picture) {
+  if (grains->dim == 2) return plane(ctx, spec, grains, path, picture);
+  GH_TRY(gh_grains_write(ctx, grains, path));
+  return picture ? gh_picture_grains(ctx, grains, picture) : GH_OK;
+}
+
+/* ---- growth ---- */
+
+typedef struct ingredients {
+  int n, *type;
+  double *diameter;
+} ingredients;
+
+static gh_status one(gh_context *ctx, const pack_spec *spec, const ingredients *from, unsigned long long seed,
+                     const char *path, const char *picture) {
+  gh_grow_options o = spec->grow;
+  gh_grow_result r;
+  gh_grains *grains;
+  o.seed = seed;
+  GH_TRY(gh_packing_grow(ctx, spec->dim, from->n, from->diameter, from->type, &o, &grains, &r));
+  print_growth(spec, grains, &r, seed);
+  gh_status status = deliver(ctx, spec, grains, path, picture);
+  gh_grains_destroy(&grains);
+  if (status != GH_OK) return status;
+  printf("written                %s\n", path);
+  fflush(stdout);
+  if (o.volume_fraction > 0 && r.stop != GH_STOP_FRACTION)
+    return gh_fail(ctx, GH_DIVERGED, "the volume fraction %g was not reached: %s at %.6f", o.volume_fraction,
+                   gh_grow_stop_text(r.stop), r.volume_fraction);
+  return GH_OK;
+}
+
+static gh_status member(gh_context *ctx, const pack_spec *spec, const ingredients *from, int k) {
+  char *path = gh_ensemble_path(spec->output, k);
+  char *picture = spec->picture ? gh_ensemble_path(spec->picture, k) : NULL;
+  gh_status status = path && (picture || !spec->picture)
+                         ? one(ctx, spec, from, spec->grow.seed + (unsigned)k - 1, path, picture)
+                         : gh_fail(ctx, GH_MEMORY, "no memory for a path");
+  free(path);
+  free(picture);
+  return status;
+}
+
+static gh_status all(gh_context *ctx, const pack_spec *spec, const ingredients *from) {
+  if (!spec->ensemble) return one(ctx, spec, from, spec->grow.seed, spec->output, spec->picture);
+  for (int k = 1; k <= spec->ensemble; k++) GH_TRY(member(ctx, spec, from, k));
+  return GH_OK;
+}
+
+static gh_status prepare(gh_context *ctx, const pack_spec *spec, ingredients *from) {
+  gh_sieve *sieve;
+  int *count;
+  GH_TRY(gh_sieve_read(ctx, spec->sieve, &sieve));
+  gh_status status = gh_alloc(ctx, (size_t)sieve->n, sizeof *count, &count);
+  if (status == GH_OK) status = gh_sieve_counts(ctx, sieve, spec->dim, spec->count, count);
+  if (status == GH_INPUT) gh_prefix(ctx, status, "%s: ", spec->sieve);
+  if (status == GH_OK) status = gh_sieve_grains(ctx, sieve, count, &from->n, &from->diameter, &from->type);
+  free(count);
+  gh_sieve_destroy(&sieve);
+  return status;
+}
+
+static gh_status work(gh_context *ctx, int argc, char **argv, pack_spec *spec) {
+  ingredients from = {0};
+  GH_TRY(parse(ctx, argc, argv, spec));
+  GH_TRY(check_file(ctx, spec->output, false));
+  if (spec->picture) GH_TRY(check_file(ctx, spec->picture, true));
+  if (spec->finish) GH_TRY(cli_mpi(ctx, true));
+  gh_status status = prepare(ctx, spec, &from);
+  if (status == GH_OK) status = all(ctx, spec, &from);
+  free(from.diameter);
+  free(from.type);
+  return status;
+}
+
+static int run(int argc, char **argv) {
+  if (argc < 2) return cli_usage(&cli_pack, "which grains?");
+  pack_spec spec;
+  pack_spec_init(&spec);
+  gh_context *ctx = cli_open();
+  if (!ctx) return 1;
+  gh_status status = work(ctx, argc, argv, &spec);
+  pack_spec_free(&spec);
+  return cli_close(ctx, status);
+}
+
+const cli_command cli_pack = {
+    .name = "pack", .summary = "grows a packing of grains from a sieve curve", .help = help, .run = run};

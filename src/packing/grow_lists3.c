@@ -1,0 +1,4 @@
+/* grow_lists.c in three dimensions. SPDX-License-Identifier: GPL-2.0-or-later */
+#include "packing/to3.h"
+/* the source below defines the functions with the names of to3.h */
+#include "packing/grow_lists.c"
