@@ -297,6 +297,7 @@ gh_status pack_spec_complete(gh_context *ctx, pack_spec *spec) {
   if (spec->soft && !spec->finish)
     return gh_fail(ctx, GH_INPUT,
                    "--finish-cell, --normal-stiffness, --anisotropy and --engine need --finish");
+  if (spec->finish) GH_TRY(gh_finish_check(ctx, &spec->soft_options)); /* before minutes of growth */
   if (isnan(spec->grow.rate)) spec->grow.rate = gh_grow_defaults(spec->dim).rate;
   return shape(ctx, spec);
 }

@@ -42,6 +42,8 @@ static void predict(growth *g, int i) {
   double now = g->now, s = g->s0 + g->rate * now, best = leaving(g, i);
   if (old.partner >= 0 && g->when[i] - now < best) next = old, best = g->when[i] - now;
   a->work += a->n;
+  /* in large packings neighbours are far apart in memory */
+  for (int k = 0; k < a->n; k++) __builtin_prefetch(&g->grain[a->entry[k].j]);
   for (int k = 0; k < a->n; k++) {
     int j = a->entry[k].j, m = a->entry[k].image;
     const grain *q = &g->grain[j];

@@ -17,7 +17,7 @@ static const struct sand {
   double diameter[6], count[6], fraction[2];
 } sands[] = {{"equal", 1, {1}, {1000}, {0.80, 0.60}},
              {"quartz", 6, {.25, .16, .125, .1, .063, .05}, {6, 242, 441, 149, 145, 17}, {0.80, 0.61}},
-             {"concrete", 5, {16, 8, 4, 2, 1}, {8, 21, 53, 127, 791}, {0.88, 0.66}}};
+             {"concrete", 5, {16, 8, 4, 2, 1}, {8, 21, 53, 127, 791}, {0.88, 0.63}}};
 
 static gh_status grow(gh_context *ctx, const struct sand *sand, int dim, int n, gh_grow_result *r) {
   gh_sieve *sieve;
