@@ -5,7 +5,7 @@ granhom=$(pwd)/${BUILD:-build}/granhom
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 failed=0
-cp scenes/block/block150.data "$work/ok.data"
+cp tests/data/cases/packings/block150.data "$work/ok.data"
 cd "$work" || exit 1
 
 # scene KEY: a whole scene to standard output, with the text of one key replaced by standard input when KEY is not empty

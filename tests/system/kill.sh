@@ -9,7 +9,7 @@ failed=0
 say() { if [ "$1" = 0 ]; then echo "ok - $2"; else echo "not ok - $2"; failed=1; fi; }
 
 # 2000 short increments, so that the end does not come before the signal
-sed -e 's/increments: 30/increments: 2000/' -e "s|block150.data|$(pwd)/scenes/block/block150.data|" scenes/block/p02_taylor.yaml >"$work/long.yaml"
+sed -e 's/increments: 30/increments: 2000/' -e "s|sand150.data|$(pwd)/scenes/block/sand150.data|" scenes/block/p02_taylor.yaml >"$work/long.yaml"
 cat >"$work/check.py" <<'E'
 import csv, json, os, sys
 import h5py
