@@ -29,10 +29,11 @@ gh_status gh_rve_sums(gh_rve *r) {
       carrying += !(r->relaxes && (r->rattlers->flag[q->i] || r->rattlers->flag[q->j]));
     }
   for (int k = 0; k < 4; k++) r->m.P[k] = P[k] / r->volume;
-  if (!gh_finite(r->m.P, 4)) return gh_fail(r->ctx, GH_DIVERGED, "the stress is not finite");
+  r->m.energy = energy / r->volume;
+  if (!gh_finite(r->m.P, 4) || !isfinite(r->m.energy))
+    return gh_fail(r->ctx, GH_DIVERGED, "the stress of the packing is not finite");
   for (int k = 0; k < 3; k++) r->m.fabric[k] = !r->m.unjammed && r->ncontacts ? fabric[k] / r->ncontacts : 0;
   gh_cauchy2(r->m.P, r->F, r->m.cauchy);
-  r->m.energy = energy / r->volume;
   r->m.volume_fraction = grain_area(r) / (r->volume * gh_det2(r->F));
   int members = r->n - r->m.rattlers;
   r->m.coordination = r->m.unjammed || members < 1 ? 0 : 2.0 * carrying / members;
@@ -71,8 +72,6 @@ static void direct_part(gh_rve *r, double A[16]) {
 static gh_status factor_of_equilibrium(gh_rve *r) {
   bool definite;
   double shift = 0;
-  GH_TRY(gh_rattlers_find(r->ctx, r->rattlers, r->n, r->held, r->contacts, r->ncontacts, r->m.mean_force,
-                          &r->m.rattlers));
   GH_TRY(gh_stiffness_number(r->ctx, r->stiffness, r->n, r->held, r->rattlers->flag, r->contacts,
                              r->ncontacts, r->periodic));
   for (;;) {
