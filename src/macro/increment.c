@@ -63,26 +63,27 @@ static gh_status succeed(gh_macro *m, const gh_attempt *a, int iterations, walk 
 
 enum { JUMPS = 40, AGAIN = 8 };
 
-/* Commits the states beyond the jump and starts from there; the imbalance fades over the rest of the
- * increment. */
+/* Commits the states beyond the jump, lets the body come to rest there under the loads at hand, and starts
+ * anew from that state. */
 static gh_status pass_jump(gh_macro *m, gh_attempt *a, walk *w, gh_macro_report *r) {
   if (!m->options.pass_jumps || r->jumps == JUMPS || w->again == AGAIN) return GH_DIVERGED;
   double residual = m->jump.residual;
   GH_TRY(gh_jump_take(m));
   GH_TRY(commit(m, a));
   GH_TRY(rebase(m, a->to, a->t));
+  w->t = 0; /* the way is counted from here, and the event has happened, also if what follows fails */
+  r->jumps++;
   gh_attempt settled = {.to = a->to, .substep = a->substep};
-  GH_TRY(gh_follow(m, &settled));
+  gh_status followed = gh_follow(m, &settled);
   a->iterations += settled.iterations;
-  GH_TRY(rebase(m, a->to, 0));
+  GH_TRY(rebase(m, a->to, 0)); /* from wherever the committed steps have led */
+  GH_TRY(followed);
   w->again = m->jump.point != w->point || residual < 0.5 * w->jump_residual ? 0 : w->again + 1;
   w->point = m->jump.point;
   w->jump_residual = residual;
-  w->t = 0;
   w->dt = 1;
   w->level = 0;
   w->change = INFINITY;
-  r->jumps++;
   gh_log(m->ctx, GH_LEVEL_INFO,
          "passed a jump of the packings: integration point %d, stress changes by %.3g, %.3g out of balance",
          m->jump.point, m->jump.change, residual);
