@@ -1,10 +1,12 @@
 /* granhom: engines evaluate contacts and relax grains; the seam between the RVE and the discrete element
  * method. SPDX-License-Identifier: GPL-2.0-or-later
  *
- * An engine is a workspace for one packing: radii, law and which grains are held are given once. Cell and
- * positions are set for each evaluation, and what comes back depends on nothing else (so an engine has no
- * memory and can be shared). Positions are those of the primary grains as the RVE keeps them: not wrapped
- * into the cell, in the frame of space. */
+ * An engine is a workspace for one packing: radii, law and which grains are held are given once. With
+ * friction, the converged state n is given at the begin of an increment. Cell, positions and rotations are
+ * set for each evaluation, and what comes back depends on nothing else (so an engine has no memory and can be
+ * shared). Positions are those of the primary grains as the RVE keeps them: not wrapped into the cell, in the
+ * frame of space; rotations are angles, counter-clockwise. Without friction there are no rotations: where a
+ * function takes `theta`, it is not looked at then and may be NULL. */
 #ifndef GRANHOM_ENGINE_H
 #define GRANHOM_ENGINE_H
 
@@ -20,17 +22,37 @@ typedef struct gh_engine gh_engine;
 typedef enum gh_engine_kind { GH_ENGINE_LAMMPS, GH_ENGINE_NATIVE } gh_engine_kind;
 
 typedef struct gh_engine_setup {
-  int n;                /* number of grains, >= 1 */
-  const double *radius; /* n, > 0 */
-  const int *type;      /* n, sieve fractions 1, 2, ...; NULL: all 1 */
-  const unsigned char
-      *held;     /* n, nonzero: position is prescribed, never moved by relax; NULL: all are free */
-  bool periodic; /* true: a periodic cell; false: a cluster in free space, no images */
+  int n;                     /* number of grains, >= 1 */
+  const double *radius;      /* n, > 0 */
+  const int *type;           /* n, sieve fractions 1, 2, ...; NULL: all 1 */
+  const unsigned char *held; /* n, nonzero: position is prescribed, never moved by relax; NULL: all are free.
+                                Held grains still rotate, unless the law fixes the rotations of all */
+  bool periodic;             /* true: a periodic cell; false: a cluster in free space, no images */
   gh_contact_law law;
 } gh_engine_setup;
 
-/* Dynamic relaxation (4.39)-(4.47). The residual is the largest force on a free grain over the mean normal
- * contact force (method 3). */
+/* The converged state n that an increment with friction starts from. slips: the history of the contacts,
+ * sorted by (i, j, image[1], image[0]); a contact that is not among them starts from zero. */
+typedef struct gh_converged {
+  double cell[4];          /* not looked at for a cluster */
+  const double *x, *theta; /* n x 2, n */
+  const gh_slip *slips;
+  int nslips;
+} gh_converged;
+
+/* Contacts at the present positions, ordered by (i, j) and, with friction, by (i, j, image[1], image[0]).
+ * i <= j; i == j for a grain that touches its own image. The arrays belong to the engine and are valid until
+ * its next call. */
+typedef struct gh_contact_list {
+  int count;
+  const gh_contact *contacts;  /* count */
+  const gh_friction *friction; /* count; NULL without friction */
+  const double *force;         /* n x 2: total force on each grain */
+  const double *moment;        /* n: total moment; NULL without friction */
+} gh_contact_list;
+
+/* Dynamic relaxation (4.39)-(4.47). The residual is the largest force on a free grain, and the largest moment
+ * over the radius, over the mean normal contact force (method 3). */
 typedef struct gh_relax_options {
   double tolerance; /* of the residual */
   long max_steps;
@@ -50,6 +72,8 @@ typedef struct gh_engine_cost {
   double relax_seconds, contact_seconds, set_seconds;
 } gh_engine_cost;
 
+/* GH_INPUT when a parameter is out of its range (granhom/contact.h). */
+gh_status gh_contact_law_check(gh_context *ctx, const gh_contact_law *law);
 /* Makes an engine; the setup's arrays are copied. Errors: GH_INPUT (setup out of range), GH_ENGINE (LAMMPS's
  * own message). */
 gh_status gh_engine_create(gh_context *ctx, gh_engine_kind kind, const gh_engine_setup *setup,
@@ -60,22 +84,24 @@ const char *gh_engine_name(const gh_engine *engine);
  * ask it (milliseconds; MPI is initialised if nobody did). 0: LAMMPS cannot be used; engines then say why. */
 int gh_engine_lammps_version(void);
 
-/* Sets cell (columns are the lattice vectors, det > 0; ignored by a cluster, may be NULL there) and positions
- * (n x 2). Forgets everything that happened before. GH_INPUT: a value that is not finite, det(cell) <= 0, or
- * a cell that is compressed, thinned or sheared beyond what a packing can be. */
-gh_status gh_engine_set(gh_engine *engine, const double cell[4], const double *x);
-/* Changes the positions only, by little: cheaper than gh_engine_set. Same cell. */
-gh_status gh_engine_move(gh_engine *engine, const double *x);
-/* Moves the free grains towards equilibrium. Not converging within max_steps is no error: look at the result.
+/* With friction, before the first gh_engine_set of an increment: the converged state that the increment
+ * starts from. Copied. Positions and history of it stay until the next gh_engine_begin. Without friction it
+ * is not needed, and does nothing. GH_INPUT: a value that is not finite, slips out of order or of grains that
+ * do not exist. */
+gh_status gh_engine_begin(gh_engine *engine, const gh_converged *state);
+/* Sets cell (columns are the lattice vectors, det > 0; ignored by a cluster, may be NULL there), positions
+ * (n x 2) and rotations (n). Forgets everything but the state of gh_engine_begin. GH_INPUT: a value that is
+ * not finite, det(cell) <= 0, or a cell that is compressed, thinned or sheared beyond what a packing can be.
  */
+gh_status gh_engine_set(gh_engine *engine, const double cell[4], const double *x, const double *theta);
+/* Changes the positions and rotations only, by little: cheaper than gh_engine_set. Same cell. */
+gh_status gh_engine_move(gh_engine *engine, const double *x, const double *theta);
+/* Moves the free grains, and turns all grains that may turn, towards equilibrium. Not converging within
+ * max_steps is no error: look at the result. */
 gh_status gh_engine_relax(gh_engine *engine, const gh_relax_options *options, gh_relax_result *result);
-/* Contacts at the present positions, ordered by (i, j), and the total force on each grain (n x 2). Both
- * belong to the engine and are valid until the next call. i <= j; i == j for a grain that touches its own
- * image. */
-gh_status gh_engine_contacts(gh_engine *engine, const gh_contact **contacts, int *count,
-                             const double **force);
-/* Present positions, n x 2. */
-gh_status gh_engine_get(gh_engine *engine, double *x);
+gh_status gh_engine_contacts(gh_engine *engine, gh_contact_list *list);
+/* Present positions, n x 2, and rotations, n. */
+gh_status gh_engine_get(gh_engine *engine, double *x, double *theta);
 void gh_engine_costs(const gh_engine *engine, gh_engine_cost *cost);
 
 #ifdef __cplusplus

@@ -9,15 +9,28 @@ struct gh_engine {
   const gh_engine_ops *ops;
   void *self;
   int n;
-  bool periodic;
+  bool periodic, friction, begun;
   double reach, area; /* twice the largest radius; sum of the areas of the grains */
 };
 
-static gh_status check_setup(gh_context *ctx, const gh_engine_setup *s) {
-  if (s->n < 1) return gh_fail(ctx, GH_INPUT, "an engine needs at least one grain, not %d", s->n);
-  double E = s->law.normal_stiffness;
+gh_status gh_contact_law_check(gh_context *ctx, const gh_contact_law *law) {
+  double E = law->normal_stiffness, Et = law->tangential_stiffness, mu = law->friction_coefficient,
+         h = law->hardening;
   if (!(E > 0) || !isfinite(E))
     return gh_fail(ctx, GH_INPUT, "the normal stiffness must be positive and finite, not %g", E);
+  if (!law->friction) return GH_OK;
+  if (!(Et > 0) || !isfinite(Et))
+    return gh_fail(ctx, GH_INPUT, "the tangential stiffness must be positive and finite, not %g", Et);
+  if (!(mu >= 0) || !isfinite(mu))
+    return gh_fail(ctx, GH_INPUT, "the friction coefficient must be finite and not negative, but is %g", mu);
+  if (!(h >= 0) || !isfinite(h))
+    return gh_fail(ctx, GH_INPUT, "the hardening must be finite and not negative, but is %g", h);
+  return GH_OK;
+}
+
+static gh_status check_setup(gh_context *ctx, const gh_engine_setup *s) {
+  if (s->n < 1) return gh_fail(ctx, GH_INPUT, "an engine needs at least one grain, not %d", s->n);
+  GH_TRY(gh_contact_law_check(ctx, &s->law));
   for (int i = 0; i < s->n; i++) {
     if (!(s->radius[i] > 0) || !isfinite(s->radius[i]))
       return gh_fail(ctx, GH_INPUT, "the radius of grain %d must be positive and finite, not %g", i + 1,
@@ -37,7 +50,8 @@ gh_status gh_engine_create(gh_context *ctx, gh_engine_kind kind, const gh_engine
   *e = (gh_engine){.ctx = ctx,
                    .ops = kind == GH_ENGINE_LAMMPS ? &gh_lammps_ops : &gh_native_ops,
                    .n = setup->n,
-                   .periodic = setup->periodic};
+                   .periodic = setup->periodic,
+                   .friction = setup->law.friction != 0};
   for (int i = 0; i < setup->n; i++) {
     double r = setup->radius[i];
     e->reach = fmax(e->reach, 2 * r);
@@ -125,15 +139,62 @@ static gh_status check_cell(const gh_engine *e, const double cell[4]) {
   return GH_OK;
 }
 
-gh_status gh_engine_set(gh_engine *e, const double cell[4], const double *x) {
-  if (e->periodic) GH_TRY(check_cell(e, cell));
-  GH_TRY(check_positions(e, x));
-  return e->ops->set(e->self, cell, x);
+/* Rotations count only with friction. */
+static gh_status check_rotations(const gh_engine *e, const double *theta) {
+  if (!e->friction) return GH_OK;
+  for (int i = 0; i < e->n; i++)
+    if (!isfinite(theta[i]))
+      return gh_fail(e->ctx, GH_INPUT, "the rotation of grain %d is not finite: %g", i + 1, theta[i]);
+  return GH_OK;
 }
 
-gh_status gh_engine_move(gh_engine *e, const double *x) {
+static int compare_keys(const gh_slip *a, const gh_slip *b) {
+  const int ka[4] = {a->i, a->j, a->image[1], a->image[0]}, kb[4] = {b->i, b->j, b->image[1], b->image[0]};
+  for (int k = 0; k < 4; k++)
+    if (ka[k] != kb[k]) return ka[k] < kb[k] ? -1 : 1;
+  return 0;
+}
+
+static gh_status check_slips(const gh_engine *e, const gh_converged *s) {
+  for (int c = 0; c < s->nslips; c++) {
+    const gh_slip *q = &s->slips[c];
+    if (q->i < 0 || q->j < q->i || q->j >= e->n)
+      return gh_fail(e->ctx, GH_INPUT, "the history names a contact between grains %d and %d of %d", q->i + 1,
+                     q->j + 1, e->n);
+    if (c > 0 && compare_keys(q - 1, q) >= 0)
+      return gh_fail(e->ctx, GH_INPUT, "the history of the contacts is not in order at grains %d and %d",
+                     q->i + 1, q->j + 1);
+    if (!isfinite(q->gamma) || !isfinite(q->gamma_pl) || !isfinite(q->alpha))
+      return gh_fail(e->ctx, GH_INPUT, "the history of the contact of grains %d and %d is not finite",
+                     q->i + 1, q->j + 1);
+  }
+  return GH_OK;
+}
+
+gh_status gh_engine_begin(gh_engine *e, const gh_converged *state) {
+  if (!e->friction) return GH_OK;
+  if (e->periodic) GH_TRY(check_cell(e, state->cell));
+  GH_TRY(check_positions(e, state->x));
+  GH_TRY(check_rotations(e, state->theta));
+  GH_TRY(check_slips(e, state));
+  GH_TRY(e->ops->begin(e->self, state));
+  e->begun = true;
+  return GH_OK;
+}
+
+gh_status gh_engine_set(gh_engine *e, const double cell[4], const double *x, const double *theta) {
+  if (e->friction && !e->begun)
+    return gh_fail(e->ctx, GH_ENGINE, "an engine with friction has no converged state yet (gh_engine_begin)");
+  if (e->periodic) GH_TRY(check_cell(e, cell));
   GH_TRY(check_positions(e, x));
-  return e->ops->move(e->self, x);
+  GH_TRY(check_rotations(e, theta));
+  return e->ops->set(e->self, cell, x, theta);
+}
+
+gh_status gh_engine_move(gh_engine *e, const double *x, const double *theta) {
+  GH_TRY(check_positions(e, x));
+  GH_TRY(check_rotations(e, theta));
+  return e->ops->move(e->self, x, theta);
 }
 
 gh_status gh_engine_relax(gh_engine *e, const gh_relax_options *options, gh_relax_result *result) {
@@ -144,13 +205,14 @@ gh_status gh_engine_relax(gh_engine *e, const gh_relax_options *options, gh_rela
   return GH_OK;
 }
 
-gh_status gh_engine_contacts(gh_engine *e, const gh_contact **contacts, int *count, const double **force) {
-  return e->ops->contacts(e->self, contacts, count, force);
+gh_status gh_engine_contacts(gh_engine *e, gh_contact_list *list) {
+  return e->ops->contacts(e->self, list);
 }
 
-gh_status gh_engine_get(gh_engine *e, double *x) {
-  return e->ops->get(e->self, x);
+gh_status gh_engine_get(gh_engine *e, double *x, double *theta) {
+  return e->ops->get(e->self, x, theta);
 }
+
 void gh_engine_costs(const gh_engine *e, gh_engine_cost *cost) {
   e->ops->costs(e->self, cost);
 }

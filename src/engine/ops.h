@@ -13,11 +13,12 @@ typedef struct gh_engine_ops {
   const char *name;
   gh_status (*create)(gh_context *ctx, const gh_engine_setup *setup, void **self);
   void (*destroy)(void *self);
-  gh_status (*set)(void *self, const double cell[4], const double *x);
-  gh_status (*move)(void *self, const double *x);
+  gh_status (*begin)(void *self, const gh_converged *state); /* only with friction */
+  gh_status (*set)(void *self, const double cell[4], const double *x, const double *theta);
+  gh_status (*move)(void *self, const double *x, const double *theta);
   gh_status (*relax)(void *self, const gh_relax_options *options, gh_relax_result *result);
-  gh_status (*contacts)(void *self, const gh_contact **contacts, int *count, const double **force);
-  gh_status (*get)(void *self, double *x);
+  gh_status (*contacts)(void *self, gh_contact_list *list);
+  gh_status (*get)(void *self, double *x, double *theta);
   void (*costs)(const void *self, gh_engine_cost *cost);
 } gh_engine_ops;
 

@@ -13,7 +13,11 @@ static const double first_relaxation = 1e-5;
 
 gh_status gh_rve_look_at_contacts(gh_rve *r) {
   double start = gh_seconds();
-  GH_TRY(gh_engine_contacts(r->engine, &r->contacts, &r->ncontacts, &r->force));
+  gh_contact_list list;
+  GH_TRY(gh_engine_contacts(r->engine, &list));
+  r->contacts = list.contacts;
+  r->ncontacts = list.count;
+  r->force = list.force;
   double sum = 0, largest = 0;
   for (int c = 0; c < r->ncontacts; c++) sum += hypot(r->contacts[c].f[0], r->contacts[c].f[1]);
   if (r->relaxes)
@@ -89,14 +93,14 @@ static gh_status newton_step(gh_rve *r) {
     for (int k = 0; k < 2; k++)
       r->step[2 * i + k] = r->x[2 * i + k] + (s->active[i] >= 0 ? dx[2 * s->active[i] + k] : 0);
   r->cost.factorise += gh_seconds() - start;
-  return gh_engine_move(r->engine, r->step);
+  return gh_engine_move(r->engine, r->step, NULL);
 }
 
 /* Newton from the engine's positions as long as it is safe. *done: the residual is reached. Else the engine
  * is at the last safe positions. */
 static gh_status polish(gh_rve *r, bool *done) {
   *done = false;
-  GH_TRY(gh_engine_get(r->engine, r->x));
+  GH_TRY(gh_engine_get(r->engine, r->x, NULL));
   for (;;) {
     bool definite;
     double before = r->m.residual;
@@ -105,7 +109,7 @@ static gh_status polish(gh_rve *r, bool *done) {
     GH_TRY(newton_step(r));
     GH_TRY(gh_rve_look_at_contacts(r));
     if (!(r->m.residual <= before / 2) || r->m.unjammed) { /* back to where it was */
-      GH_TRY(gh_engine_move(r->engine, r->x));
+      GH_TRY(gh_engine_move(r->engine, r->x, NULL));
       return gh_rve_look_at_contacts(r);
     }
     memcpy(r->x, r->step, 2 * (size_t)r->n * sizeof(double));
@@ -129,7 +133,7 @@ gh_status gh_rve_equilibrate(gh_rve *r) {
   double start = gh_seconds();
   gh_mul2(r->F, r->packing->cell, cell);
   find_limits(r, cell);
-  GH_TRY(gh_engine_set(r->engine, cell, r->x));
+  GH_TRY(gh_engine_set(r->engine, cell, r->x, NULL));
   r->cost.set += gh_seconds() - start;
   if (!r->relaxes) return gh_rve_look_at_contacts(r);
   long left = r->options.max_steps;
@@ -142,5 +146,5 @@ gh_status gh_rve_equilibrate(gh_rve *r) {
     if (done) break;
     aim = fmax(fmin(r->m.residual, aim) / 10, target(r));
   }
-  return gh_engine_get(r->engine, r->x);
+  return gh_engine_get(r->engine, r->x, NULL);
 }

@@ -8,6 +8,14 @@
 #include "granhom/micro.h"
 
 enum { INCREMENTS = 20, WARM_UP = 2 };
+/* The contacts of an engine without friction. */
+static gh_status contacts_of(gh_engine *e, const gh_contact **c, int *count, const double **force) {
+  gh_contact_list list = {0};
+  gh_status status = gh_engine_contacts(e, &list);
+  *c = list.contacts, *count = list.count, *force = list.force;
+  return status;
+}
+
 static const int sizes[] = {88, 150, 300, 400, 600, 700};
 static const gh_boundary boundaries[] = {GH_TAYLOR, GH_TAYLOR_CELL, GH_RESTRICTED, GH_PERIODIC};
 
@@ -34,10 +42,10 @@ static double settle(gh_context *ctx, gh_engine *engine, gh_packing *p, double a
   memcpy(p->cell, cell, sizeof cell);
   gh_relax_options o = {.tolerance = 1e-10, .max_steps = 2000000, .floor = 1e-13};
   gh_relax_result result;
-  must(ctx, gh_engine_set(engine, cell, p->x));
+  must(ctx, gh_engine_set(engine, cell, p->x, NULL));
   must(ctx, gh_engine_relax(engine, &o, &result));
-  must(ctx, gh_engine_get(engine, p->x));
-  must(ctx, gh_engine_contacts(engine, &c, &count, &f));
+  must(ctx, gh_engine_get(engine, p->x, NULL));
+  must(ctx, contacts_of(engine, &c, &count, &f));
   for (int k = 0; k < count; k++) overlap += c[k].overlap / count;
   return overlap / gh_packing_mean_radius(p);
 }

@@ -17,6 +17,14 @@
 #define STIFFNESS 50.0
 #define PACKING "tests/data/cases/packings/p150.data"
 
+/* The contacts of an engine without friction. */
+static gh_status list_of(gh_engine *e, const gh_contact **c, int *count, const double **force) {
+  gh_contact_list list = {0};
+  gh_status status = gh_engine_contacts(e, &list);
+  *c = list.contacts, *count = list.count, *force = list.force;
+  return status;
+}
+
 static gh_context *ctx;
 
 #define OK(call)                                                                                             \
@@ -96,7 +104,7 @@ typedef struct outcome {
 
 static outcome contacts_of(gh_engine *e) {
   outcome o;
-  OK(gh_engine_contacts(e, &o.c, &o.count, &o.f));
+  OK(list_of(e, &o.c, &o.count, &o.f));
   return o;
 }
 
@@ -179,7 +187,7 @@ static void two_disks(void **state) {
       double x[4] = {0.3, 4.9, 0, 0};
       for (int m = 0; m < 2; m++)
         x[2 + m] = x[m] + d[m] + H[2 * m] * images[k][0] + H[2 * m + 1] * images[k][1];
-      OK(gh_engine_set(e, H, x));
+      OK(gh_engine_set(e, H, x, NULL));
       outcome got = contacts_of(e);
       assert_int_equal(got.count, 1);
       assert_int_equal(got.c[0].i, 0);
@@ -214,7 +222,7 @@ static void square_lattice(void **state) {
     rotation(15 * turn, Q);
     for (int shear = -3; shear <= 3; shear++) {
       gh_mul2(Q, (double[4]){a, shear * a, 0, a}, cell);
-      OK(gh_engine_set(e, cell, x));
+      OK(gh_engine_set(e, cell, x, NULL));
       outcome o = contacts_of(e);
       assert_int_equal(o.count, 2);
       for (int k = 0; k < 2; k++) {
@@ -247,7 +255,7 @@ static void tiny_cells(void **state) {
       for (int m = 0; m < 2 * n; m++) p.x[m] = 6 * (uniform(&seed) - 0.5);
       int count;
       double energy = brute_force(&p, 14, &count);
-      OK(gh_engine_set(e, p.cell, p.x));
+      OK(gh_engine_set(e, p.cell, p.x, NULL));
       outcome o = contacts_of(e);
       assert_int_equal(o.count, count);
       assert_near(energy_of(o), energy, 1e-11 * (1 + energy));
@@ -265,7 +273,7 @@ static void no_contact(void **state) {
   p.radius[0] = p.radius[1] = 0.1;
   p.x[2] = p.x[3] = 0.5;
   gh_engine *e = open_engine(&p, GH_ENGINE_LAMMPS);
-  OK(gh_engine_set(e, p.cell, p.x));
+  OK(gh_engine_set(e, p.cell, p.x, NULL));
   gh_relax_result r;
   OK(gh_engine_relax(e, &(gh_relax_options){1e-8, 1000, 0}, &r));
   assert_true(r.converged);
@@ -295,8 +303,8 @@ static void same_as_native(void **state) {
       rotation(30 * turn, Q);
       deform(&q, deformations[k]);
       deform(&q, Q);
-      OK(gh_engine_set(lammps, q.cell, q.x));
-      OK(gh_engine_set(native, q.cell, q.x));
+      OK(gh_engine_set(lammps, q.cell, q.x, NULL));
+      OK(gh_engine_set(native, q.cell, q.x, NULL));
       outcome a = contacts_of(lammps), b = contacts_of(native);
       assert_true(a.count > 100);
       assert_same_contacts(a, b, q.n, 1e-12);
@@ -317,8 +325,8 @@ static void cluster_as_native(void **state) {
   for (int k = 0; k < 4; k++) {
     deform(&p, (double[4]){1.003, 0.4, -0.5, 0.9});
     for (int i = 0; i < p.n; i++) p.x[2 * i] += 100 * k;
-    OK(gh_engine_set(lammps, NULL, p.x));
-    OK(gh_engine_set(native, NULL, p.x));
+    OK(gh_engine_set(lammps, NULL, p.x, NULL));
+    OK(gh_engine_set(native, NULL, p.x, NULL));
     assert_same_contacts(contacts_of(lammps), contacts_of(native), p.n, 1e-12);
   }
   gh_engine_destroy(&lammps);
@@ -328,7 +336,7 @@ static void cluster_as_native(void **state) {
   one.cluster = true;
   one.radius[0] = 2;
   gh_engine *e = open_engine(&one, GH_ENGINE_LAMMPS);
-  OK(gh_engine_set(e, NULL, one.x));
+  OK(gh_engine_set(e, NULL, one.x, NULL));
   assert_int_equal(contacts_of(e).count, 0);
   gh_engine_destroy(&e);
   drop(&one);
@@ -358,7 +366,7 @@ static void relax_as_native(void **state) {
   for (int k = 0; k < 2; k++) {
     gh_engine *e = open_engine(&p, k ? GH_ENGINE_NATIVE : GH_ENGINE_LAMMPS);
     c[k] = calloc(20 * (size_t)p.n, sizeof *c[k]);
-    OK(gh_engine_set(e, p.cell, p.x));
+    OK(gh_engine_set(e, p.cell, p.x, NULL));
     OK(gh_engine_relax(e, &(gh_relax_options){1e-11, 100000, 0}, &r[k]));
     assert_true(r[k].converged && r[k].residual <= 1e-11);
     outcome o = contacts_of(e);
@@ -395,13 +403,13 @@ static void cluster_relaxes_as_native(void **state) {
   for (int k = 0; k < 2; k++) {
     gh_engine *e = open_engine(&p, k ? GH_ENGINE_NATIVE : GH_ENGINE_LAMMPS);
     c[k] = calloc(20 * (size_t)p.n, sizeof *c[k]);
-    OK(gh_engine_set(e, NULL, p.x));
+    OK(gh_engine_set(e, NULL, p.x, NULL));
     OK(gh_engine_relax(e, &(gh_relax_options){1e-11, 100000, 0}, &r[k]));
     assert_true(r[k].converged);
-    OK(gh_engine_get(e, x));
+    OK(gh_engine_get(e, x, NULL));
     for (int i = 0; i < p.n; i++)
       if (p.held[i]) assert_memory_equal(&x[2 * i], &p.x[2 * i], 2 * sizeof *x);
-    OK(gh_engine_move(e, x));
+    OK(gh_engine_move(e, x, NULL));
     count[k] = loaded(contacts_of(e), 1e-6 * r[k].mean_force, c[k]);
     gh_engine_destroy(&e);
   }
@@ -427,12 +435,12 @@ static void no_memory(void **state) {
   gh_relax_result r1, r2;
   packing other = read_p150();
   deform(&other, (double[4]){1.1, 0.9, -0.7, 1.2});
-  OK(gh_engine_set(used, other.cell, other.x));
+  OK(gh_engine_set(used, other.cell, other.x, NULL));
   OK(gh_engine_relax(used, &options, &r2));
-  OK(gh_engine_move(used, other.x));
+  OK(gh_engine_move(used, other.x, NULL));
   deform(&p, (double[4]){0.99, 0.02, 0, 0.99});
-  OK(gh_engine_set(fresh, p.cell, p.x));
-  OK(gh_engine_set(used, p.cell, p.x));
+  OK(gh_engine_set(fresh, p.cell, p.x, NULL));
+  OK(gh_engine_set(used, p.cell, p.x, NULL));
   outcome a = contacts_of(fresh), b = contacts_of(used);
   assert_int_equal(a.count, b.count);
   assert_memory_equal(a.c, b.c, (size_t)a.count * sizeof *a.c);
@@ -441,8 +449,8 @@ static void no_memory(void **state) {
   OK(gh_engine_relax(used, &options, &r2));
   assert_int_equal(r1.steps, r2.steps);
   assert_memory_equal(&r1.residual, &r2.residual, sizeof r1.residual);
-  OK(gh_engine_get(fresh, x1));
-  OK(gh_engine_get(used, x2));
+  OK(gh_engine_get(fresh, x1, NULL));
+  OK(gh_engine_get(used, x2, NULL));
   assert_memory_equal(x1, x2, bytes);
   gh_engine_destroy(&fresh);
   gh_engine_destroy(&used);
@@ -461,13 +469,13 @@ static void held_grains(void **state) {
   for (int i = 0; i < p.n; i++) p.x[2 * i] += 50; /* far from the cell at the origin */
   double *x = malloc(2 * (size_t)p.n * sizeof *x), moved = 0;
   gh_engine *e = open_engine(&p, GH_ENGINE_LAMMPS);
-  OK(gh_engine_set(e, p.cell, p.x));
-  OK(gh_engine_get(e, x));
+  OK(gh_engine_set(e, p.cell, p.x, NULL));
+  OK(gh_engine_get(e, x, NULL));
   assert_memory_equal(x, p.x, 2 * (size_t)p.n * sizeof *x);
   gh_relax_result r;
   OK(gh_engine_relax(e, &(gh_relax_options){1e-9, 100000, 0}, &r));
   assert_true(r.converged);
-  OK(gh_engine_get(e, x));
+  OK(gh_engine_get(e, x, NULL));
   for (int i = 0; i < p.n; i++) {
     if (p.held[i]) assert_memory_equal(&x[2 * i], &p.x[2 * i], 2 * sizeof *x);
     else moved = fmax(moved, hypot(x[2 * i] - p.x[2 * i], x[2 * i + 1] - p.x[2 * i + 1]));
@@ -489,13 +497,13 @@ static void moves(void **state) {
   print_message("seed %llu\n", (unsigned long long)first);
   packing p = read_p150();
   gh_engine *a = open_engine(&p, GH_ENGINE_LAMMPS), *b = open_engine(&p, GH_ENGINE_LAMMPS);
-  OK(gh_engine_set(a, p.cell, p.x));
+  OK(gh_engine_set(a, p.cell, p.x, NULL));
   gh_engine_cost before, after;
   gh_engine_costs(a, &before);
   for (int k = 0; k < 3; k++) {
     for (int m = 0; m < 2 * p.n; m++) p.x[m] += (k == 2 ? 0.1 : 1e-4) * (uniform(&seed) - 0.5);
-    OK(gh_engine_move(a, p.x));
-    OK(gh_engine_set(b, p.cell, p.x));
+    OK(gh_engine_move(a, p.x, NULL));
+    OK(gh_engine_set(b, p.cell, p.x, NULL));
     assert_same_contacts(contacts_of(a), contacts_of(b), p.n, 1e-12);
     gh_engine_costs(a, &after);
     assert_int_equal(after.rebuilds - before.rebuilds, k == 2);
@@ -512,7 +520,7 @@ static void out_of_steps(void **state) {
   deform(&p, (double[4]){0.97, 0, 0, 0.99});
   gh_engine *e = open_engine(&p, GH_ENGINE_LAMMPS);
   gh_relax_result r;
-  OK(gh_engine_set(e, p.cell, p.x));
+  OK(gh_engine_set(e, p.cell, p.x, NULL));
   OK(gh_engine_relax(e, &(gh_relax_options){1e-12, 17, 0}, &r));
   assert_false(r.converged);
   assert_int_equal(r.steps, 17);
@@ -542,11 +550,11 @@ static void bad_setup(void **state) {
   s.radius = radius;
   OK(gh_engine_create(ctx, GH_ENGINE_LAMMPS, &s, &e));
   outcome o;
-  assert_int_equal(gh_engine_contacts(e, &o.c, &o.count, &o.f), GH_ENGINE);
-  assert_int_equal(gh_engine_move(e, x), GH_ENGINE);
-  assert_int_equal(gh_engine_set(e, inverted, x), GH_INPUT);
-  assert_int_equal(gh_engine_set(e, unit, nan_x), GH_INPUT);
-  OK(gh_engine_set(e, unit, x));
+  assert_int_equal(list_of(e, &o.c, &o.count, &o.f), GH_ENGINE);
+  assert_int_equal(gh_engine_move(e, x, NULL), GH_ENGINE);
+  assert_int_equal(gh_engine_set(e, inverted, x, NULL), GH_INPUT);
+  assert_int_equal(gh_engine_set(e, unit, nan_x, NULL), GH_INPUT);
+  OK(gh_engine_set(e, unit, x, NULL));
   gh_engine_destroy(&e);
 }
 
@@ -560,16 +568,16 @@ static void error_in_run(void **state) {
   gh_engine *e = open_engine(&p, GH_ENGINE_LAMMPS);
   for (int k = 0; k < 3; k++) {
     outcome o;
-    assert_int_equal(gh_engine_set(e, p.cell, bad), GH_ENGINE);
+    assert_int_equal(gh_engine_set(e, p.cell, bad, NULL), GH_ENGINE);
     assert_non_null(strstr(gh_message(ctx), "coincide"));
     assert_non_null(strstr(gh_message(ctx), "2 and 3"));
-    assert_int_equal(gh_engine_contacts(e, &o.c, &o.count, &o.f), GH_ENGINE);
-    OK(gh_engine_set(e, p.cell, good));
+    assert_int_equal(list_of(e, &o.c, &o.count, &o.f), GH_ENGINE);
+    OK(gh_engine_set(e, p.cell, good, NULL));
     o = contacts_of(e);
     assert_int_equal(o.count, 1);
     assert_near(o.c[0].overlap, 0.5, 1e-13);
   }
-  assert_int_equal(gh_engine_set(e, p.cell, bad), GH_ENGINE);
+  assert_int_equal(gh_engine_set(e, p.cell, bad, NULL), GH_ENGINE);
   gh_engine_destroy(&e);
   drop(&p);
 }

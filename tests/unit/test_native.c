@@ -10,6 +10,14 @@ typedef struct sample {
   double cell[4], radius[MOST], x[2 * MOST];
 } sample;
 
+/* The contacts of an engine without friction. */
+static gh_status contacts_of(gh_engine *e, const gh_contact **c, int *count, const double **force) {
+  gh_contact_list list = {0};
+  gh_status status = gh_engine_contacts(e, &list);
+  *c = list.contacts, *count = list.count, *force = list.force;
+  return status;
+}
+
 static void draw(unsigned long long *seed, int n, double largest, sample *s) {
   s->n = n;
   double angle = 2 * help_pi * uniform(seed), Q[4],
@@ -66,8 +74,8 @@ static void check_contacts(gh_context *ctx, const sample *s, bool periodic) {
   const gh_contact *list;
   const double *force;
   int count, found = 0, mark[8000] = {0};
-  OK(gh_engine_set(e, periodic ? s->cell : NULL, s->x));
-  OK(gh_engine_contacts(e, &list, &count, &force));
+  OK(gh_engine_set(e, periodic ? s->cell : NULL, s->x, NULL));
+  OK(contacts_of(e, &list, &count, &force));
   assert_in_range(count, 0, 8000);
   for (int i = 0; i < s->n; i++)
     for (int j = i; j < s->n; j++)
@@ -112,8 +120,8 @@ static double energy_at(gh_context *ctx, gh_engine *e, const sample *s, const do
   const double *force;
   int count;
   double sum = 0;
-  OK(gh_engine_set(e, s->cell, x));
-  OK(gh_engine_contacts(e, &list, &count, &force));
+  OK(gh_engine_set(e, s->cell, x, NULL));
+  OK(contacts_of(e, &list, &count, &force));
   for (int c = 0; c < count; c++) sum += list[c].energy;
   return sum;
 }
@@ -132,8 +140,8 @@ static void forces_are_derivatives_of_the_energy(void **state) {
     const gh_contact *list;
     const double *force;
     int count;
-    OK(gh_engine_set(e, s.cell, s.x));
-    OK(gh_engine_contacts(e, &list, &count, &force));
+    OK(gh_engine_set(e, s.cell, s.x, NULL));
+    OK(contacts_of(e, &list, &count, &force));
     memcpy(f, force, 2 * (size_t)s.n * sizeof *f);
     for (int k = 0; k < 2 * s.n; k++) {
       double kept = s.x[k];
@@ -160,8 +168,8 @@ static void contacts_are_complete(void **state) {
   const gh_contact *c;
   const double *force;
   int count;
-  OK(gh_engine_set(e, s.cell, s.x));
-  OK(gh_engine_contacts(e, &c, &count, &force));
+  OK(gh_engine_set(e, s.cell, s.x, NULL));
+  OK(contacts_of(e, &c, &count, &force));
   assert_true(count > 10);
   for (int k = 0; k < count; k++, c++) {
     double d = hypot(c->l[0], c->l[1]), n[2] = {c->l[0] / d, c->l[1] / d}, q = c->overlap / d;
@@ -184,18 +192,18 @@ static void moving_is_setting(void **state) {
   sample s;
   draw(&seed, MOST, 0.12, &s);
   gh_engine *a = make_engine(ctx, &s, true, NULL), *b = make_engine(ctx, &s, true, NULL);
-  OK(gh_engine_set(a, s.cell, s.x));
+  OK(gh_engine_set(a, s.cell, s.x, NULL));
   for (int step = 0; step < 20; step++) {
     double size = step % 4 == 3 ? 0.5 : 0.003, back[2 * MOST];
     const gh_contact *ca, *cb;
     const double *fa, *fb;
     int na, nb;
     for (int k = 0; k < 2 * s.n; k++) s.x[k] += size * (uniform(&seed) - 0.5);
-    OK(gh_engine_move(a, s.x));
-    OK(gh_engine_set(b, s.cell, s.x));
-    OK(gh_engine_contacts(a, &ca, &na, &fa));
-    OK(gh_engine_contacts(b, &cb, &nb, &fb));
-    OK(gh_engine_get(a, back));
+    OK(gh_engine_move(a, s.x, NULL));
+    OK(gh_engine_set(b, s.cell, s.x, NULL));
+    OK(contacts_of(a, &ca, &na, &fa));
+    OK(contacts_of(b, &cb, &nb, &fb));
+    OK(gh_engine_get(a, back, NULL));
     assert_memory_equal(back, s.x, sizeof back);
     assert_int_equal(na, nb);
     assert_memory_equal(ca, cb, (size_t)na * sizeof *ca);
@@ -211,7 +219,7 @@ static double residual_of(gh_context *ctx, gh_engine *e, int n, const unsigned c
   const double *f;
   int count;
   double largest = 0, mean = 0;
-  OK(gh_engine_contacts(e, &c, &count, &f));
+  OK(contacts_of(e, &c, &count, &f));
   for (int k = 0; k < count; k++) mean += hypot(c[k].f[0], c[k].f[1]) / count;
   for (int i = 0; i < n; i++)
     if (!held || !held[i]) largest = fmax(largest, hypot(f[2 * i], f[2 * i + 1]));
@@ -236,9 +244,9 @@ static void relaxation_reaches_equilibrium(void **state) {
     assert_string_equal(gh_engine_name(e), "native");
     gh_mul2(F, p->cell, cell);
     for (int i = 0; i < 50; i++) gh_apply2(F, &p->x[2 * i], &x[2 * i]);
-    OK(gh_engine_set(e, cell, x));
+    OK(gh_engine_set(e, cell, x, NULL));
     OK(gh_engine_relax(e, &o, &r));
-    OK(gh_engine_get(e, y));
+    OK(gh_engine_get(e, y, NULL));
     assert_true(r.converged && r.residual <= 1e-6 && r.steps > 10);
     NEAR("residual", residual_of(ctx, e, 50, some ? held : NULL), r.residual, 1e-9);
     for (int i = 0; i < 50; i++)
@@ -262,7 +270,7 @@ static void relaxation_may_run_out_of_steps(void **state) {
   OK(gh_engine_create(ctx, GH_ENGINE_NATIVE, &setup, &e));
   gh_mul2(F, p->cell, cell);
   for (int i = 0; i < 50; i++) gh_apply2(F, &p->x[2 * i], &x[2 * i]);
-  OK(gh_engine_set(e, cell, x));
+  OK(gh_engine_set(e, cell, x, NULL));
   OK(gh_engine_relax(e, &o, &r));
   assert_true(!r.converged && r.residual > 1e-8 && r.steps <= 7);
   o.max_steps = 100000;
@@ -279,7 +287,7 @@ static void nothing_to_relax(void **state) {
   gh_engine *e = make_engine(ctx, &s, true, NULL);
   gh_relax_options o = {.tolerance = 1e-8, .max_steps = 100};
   gh_relax_result r;
-  OK(gh_engine_set(e, s.cell, s.x));
+  OK(gh_engine_set(e, s.cell, s.x, NULL));
   OK(gh_engine_relax(e, &o, &r));
   assert_true(r.converged && r.residual == 0 && r.mean_force == 0 && r.steps == 1);
   gh_engine_destroy(&e);
@@ -290,13 +298,14 @@ static void what_has_no_direction_or_no_room(void **state) {
   gh_context *ctx = *state;
   sample s = {.n = 2, .cell = {10, 0, 0, 10}, .radius = {1, 1}, .x = {1, 1, 11, 11}};
   gh_engine *e = make_engine(ctx, &s, true, NULL);
-  FAILS(gh_engine_set(e, s.cell, s.x), GH_DIVERGED, "grains 1 and 2 coincide");
+  FAILS(gh_engine_set(e, s.cell, s.x, NULL), GH_DIVERGED, "grains 1 and 2 coincide");
   s.x[2] = 5;
-  OK(gh_engine_set(e, s.cell, s.x));
-  FAILS(gh_engine_set(e, (double[4]){1e-2, 0, 0, 100}, s.x), GH_INPUT, "too thin");
-  FAILS(gh_engine_set(e, (double[4]){1e-9, 0, 0, 10}, s.x), GH_INPUT, "the grains fill it 6.28e+08 times");
-  FAILS(gh_engine_set(e, (double[4]){1e-9, 0, 0, 1e10}, s.x), GH_INPUT, "distorted beyond use");
-  FAILS(gh_engine_set(e, (double[4]){10, 1e8, 0, 10}, s.x), GH_INPUT, "distorted beyond use");
+  OK(gh_engine_set(e, s.cell, s.x, NULL));
+  FAILS(gh_engine_set(e, (double[4]){1e-2, 0, 0, 100}, s.x, NULL), GH_INPUT, "too thin");
+  FAILS(gh_engine_set(e, (double[4]){1e-9, 0, 0, 10}, s.x, NULL), GH_INPUT,
+        "the grains fill it 6.28e+08 times");
+  FAILS(gh_engine_set(e, (double[4]){1e-9, 0, 0, 1e10}, s.x, NULL), GH_INPUT, "distorted beyond use");
+  FAILS(gh_engine_set(e, (double[4]){10, 1e8, 0, 10}, s.x, NULL), GH_INPUT, "distorted beyond use");
   gh_engine_destroy(&e);
 }
 
@@ -322,11 +331,11 @@ static void bad_input_is_refused(void **state) {
   FAILS(gh_engine_create(ctx, GH_ENGINE_NATIVE, &s, &e), GH_INPUT, "type of grain 2");
   assert_null(e);
   OK(gh_engine_create(ctx, GH_ENGINE_NATIVE, &good, &e));
-  FAILS(gh_engine_set(e, (double[4]){1, 0, 0, -1}, x), GH_INPUT, "determinant");
-  FAILS(gh_engine_set(e, (double[4]){NAN, 0, 0, 1}, x), GH_INPUT, "cell");
+  FAILS(gh_engine_set(e, (double[4]){1, 0, 0, -1}, x, NULL), GH_INPUT, "determinant");
+  FAILS(gh_engine_set(e, (double[4]){NAN, 0, 0, 1}, x, NULL), GH_INPUT, "cell");
   x[3] = NAN;
-  FAILS(gh_engine_set(e, (double[4]){5, 0, 0, 5}, x), GH_INPUT, "grain 2");
-  FAILS(gh_engine_move(e, x), GH_INPUT, "grain 2");
+  FAILS(gh_engine_set(e, (double[4]){5, 0, 0, 5}, x, NULL), GH_INPUT, "grain 2");
+  FAILS(gh_engine_move(e, x, NULL), GH_INPUT, "grain 2");
   gh_engine_destroy(&e);
   assert_null(e);
   gh_engine_destroy(&e);

@@ -7,7 +7,7 @@
 #include <unistd.h>
 
 #define HEAD                                                                                                 \
-  "packing: scenes/block/sand150.data\ncontact: {normal_stiffness: 50}\n"                                   \
+  "packing: scenes/block/sand150.data\ncontact: {normal_stiffness: 50}\n"                                    \
   "mesh: {rectangle: {size: [100, 100], elements: [3, 3]}}\n"                                                \
   "supports: [{edge: left, fix: x}, {edge: bottom, fix: y}]\n"
 

@@ -325,7 +325,8 @@ static gh_status check_bins(const bridge *e) {
                  e->periodic ? "cell" : "packing", width[0], width[1], 2 * largest);
 }
 
-static gh_status bridge_set(void *self, const double cell[4], const double *x) {
+static gh_status bridge_set(void *self, const double cell[4], const double *x, const double *theta) {
+  (void)theta;
   bridge *e = self;
   double start = gh_seconds();
   if (e->periodic) {
@@ -340,7 +341,8 @@ static gh_status bridge_set(void *self, const double cell[4], const double *x) {
   return status;
 }
 
-static gh_status bridge_move(void *self, const double *x) {
+static gh_status bridge_move(void *self, const double *x, const double *theta) {
+  (void)theta;
   bridge *e = self;
   double start = gh_seconds();
   GH_TRY(check_valid(e));
@@ -446,19 +448,20 @@ static gh_status collect(bridge *e, int *count) {
   return GH_OK;
 }
 
-static gh_status bridge_contacts(void *self, const gh_contact **contacts, int *count, const double **force) {
+static gh_status bridge_contacts(void *self, gh_contact_list *list) {
   bridge *e = self;
   double start = gh_seconds();
   GH_TRY(check_valid(e));
-  GH_TRY(collect(e, count));
-  *contacts = e->contacts;
-  *force = e->force;
+  int count;
+  GH_TRY(collect(e, &count));
+  *list = (gh_contact_list){.count = count, .contacts = e->contacts, .force = e->force};
   e->cost.evaluations++;
   e->cost.contact_seconds += gh_seconds() - start;
   return GH_OK;
 }
 
-static gh_status bridge_get(void *self, double *x) {
+static gh_status bridge_get(void *self, double *x, double *theta) {
+  (void)theta;
   bridge *e = self;
   GH_TRY(check_valid(e));
   GH_TRY(read_positions(e));

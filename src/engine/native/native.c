@@ -66,7 +66,8 @@ static gh_status find_pairs(native *e) {
   return gh_grow(e->ctx, gh_relax_work(e->n, (int)e->nb.npairs), sizeof(double), &e->work_capacity, &e->work);
 }
 
-static gh_status native_set(void *self, const double cell[4], const double *x) {
+static gh_status native_set(void *self, const double cell[4], const double *x, const double *theta) {
+  (void)theta;
   native *e = self;
   double start = gh_seconds();
   if (e->periodic) memcpy(e->cell, cell, sizeof e->cell);
@@ -76,7 +77,8 @@ static gh_status native_set(void *self, const double cell[4], const double *x) {
   return GH_OK;
 }
 
-static gh_status native_move(void *self, const double *x) {
+static gh_status native_move(void *self, const double *x, const double *theta) {
+  (void)theta;
   native *e = self;
   double start = gh_seconds(), far = 0;
   memcpy(e->x, x, 2 * (size_t)e->n * sizeof(double));
@@ -141,7 +143,7 @@ static gh_status add_contact(native *e, const gh_pair *p, size_t *count) {
   return GH_OK;
 }
 
-static gh_status native_contacts(void *self, const gh_contact **contacts, int *count, const double **force) {
+static gh_status native_contacts(void *self, gh_contact_list *list) {
   native *e = self;
   double start = gh_seconds();
   size_t n = 0, own = 0;
@@ -153,15 +155,14 @@ static gh_status native_contacts(void *self, const gh_contact **contacts, int *c
     GH_TRY(add_contact(e, &e->nb.pairs[p], &n));
   }
   for (; own < e->nb.nown; own++) GH_TRY(add_contact(e, &e->nb.own[own], &n));
-  *contacts = e->contacts;
-  *count = (int)n;
-  *force = e->f;
+  *list = (gh_contact_list){.count = (int)n, .contacts = e->contacts, .force = e->f};
   e->cost.evaluations++;
   e->cost.contact_seconds += gh_seconds() - start;
   return GH_OK;
 }
 
-static gh_status native_get(void *self, double *x) {
+static gh_status native_get(void *self, double *x, double *theta) {
+  (void)theta;
   const native *e = self;
   memcpy(x, e->x, 2 * (size_t)e->n * sizeof(double));
   return GH_OK;
