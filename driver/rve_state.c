@@ -81,7 +81,7 @@ gh_status rve_state_load(gh_context *ctx, const char *path, gh_rve *rve, gh_boun
   GH_TRY_OR(check_boundary(ctx, path, file, boundary), done);
   GH_TRY_OR(check_packing(ctx, path, file, packing, memory), done);
   GH_TRY_OR(gh_h5_get_doubles(file, "state", size, 1, memory), done);
-  status = gh_rve_load(rve, memory);
+  status = gh_rve_load(rve, memory, size);
   if (status != GH_OK) gh_prefix(ctx, status, "%s: ", path);
 done:
   free(memory);

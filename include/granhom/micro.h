@@ -33,7 +33,9 @@ enum { GH_WANT_TANGENT = 1 };
 /* Everything else that an evaluation knows. */
 typedef struct gh_rve_measures {
   double F[4], P[4], cauchy[4];
-  double energy;       /* stored contact energy per reference area (5.1) */
+  double energy;       /* stored contact energy per reference area (5.1), friction's part included */
+  double energy_t;     /* friction's part: elastic slip and hardening (7.6) */
+  double dissipation;  /* dissipated by friction since the begin, per reference area (7.13) */
   double residual;     /* reached (method 3) */
   double mean_force;   /* mean normal contact force */
   double seconds;      /* of this evaluation */
@@ -44,6 +46,7 @@ typedef struct gh_rve_measures {
   double acoustic_angle; /* of N to the x axis, radians */
   long steps;            /* force evaluations */
   int contacts, rattlers;
+  int sliding; /* contacts on the Coulomb limit */
   int factorisations;
   int polished;    /* the residual was reached by Newton polish */
   int unjammed;    /* no contact, or free grains without contact force: P = 0, A = 0 */
@@ -90,10 +93,19 @@ typedef struct gh_rve_view {
 } gh_rve_view;
 gh_status gh_rve_look(gh_rve *rve, gh_rve_view *view);
 
-/* The converged state as a flat buffer of doubles: F (4), then fluctuated reference positions (n x 2). */
-size_t gh_rve_state_size(const gh_rve *rve);
+/* States as flat buffers of doubles: what a farm moves, keeps and writes. Their size changes with the
+ * contacts that have a history; ask before each save. A state belongs to one packing, boundary condition and
+ * law. */
+size_t gh_rve_state_size(const gh_rve *rve); /* of the converged state, in doubles */
 gh_status gh_rve_save(const gh_rve *rve, double *state);
-gh_status gh_rve_load(gh_rve *rve, const double *state);
+/* The trial state likewise: what the converged state becomes by gh_rve_commit. Without a trial state these
+ * are the converged one's. */
+size_t gh_rve_trial_size(const gh_rve *rve);
+gh_status gh_rve_save_trial(const gh_rve *rve, double *state);
+/* Makes `state` the converged state and drops the trial state. What an evaluation gives afterwards is the
+ * same to the last bit as in the RVE that the state was saved from. GH_INPUT: a size that does not fit the
+ * content, values that are not finite, det F <= 0. */
+gh_status gh_rve_load(gh_rve *rve, const double *state, size_t size);
 
 /* Smallest eigenvalue of the symmetric part of Q_ik = A_iJkL N_J N_L over all unit N (method 7), and the
  * angle of that N. */

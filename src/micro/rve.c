@@ -175,14 +175,30 @@ size_t gh_rve_state_size(const gh_rve *r) {
   return 4 + 2 * (size_t)r->n;
 }
 
+size_t gh_rve_trial_size(const gh_rve *r) {
+  return 4 + 2 * (size_t)r->n;
+}
+
+static void save(const gh_rve *r, const double F[4], const double *y, double *state) {
+  memcpy(state, F, 4 * sizeof *F);
+  memcpy(state + 4, y, 2 * (size_t)r->n * sizeof *y);
+}
+
 gh_status gh_rve_save(const gh_rve *r, double *state) {
-  memcpy(state, r->Fn, sizeof r->Fn);
-  memcpy(state + 4, r->yn, 2 * (size_t)r->n * sizeof(double));
+  save(r, r->Fn, r->yn, state);
   return GH_OK;
 }
 
-gh_status gh_rve_load(gh_rve *r, const double *state) {
-  if (!gh_finite(state, gh_rve_state_size(r)) || !(gh_det2(state) > 0))
+gh_status gh_rve_save_trial(const gh_rve *r, double *state) {
+  save(r, r->trial ? r->F : r->Fn, r->trial ? r->y : r->yn, state);
+  return GH_OK;
+}
+
+gh_status gh_rve_load(gh_rve *r, const double *state, size_t size) {
+  if (size != gh_rve_state_size(r))
+    return gh_fail(r->ctx, GH_INPUT, "the state to load has %zu numbers, this RVE has %zu", size,
+                   gh_rve_state_size(r));
+  if (!gh_finite(state, size) || !(gh_det2(state) > 0))
     return gh_fail(r->ctx, GH_INPUT,
                    "the state to load has a value that is not finite, or F with det F <= 0");
   memcpy(r->Fn, state, sizeof r->Fn);
