@@ -1,0 +1,47 @@
+/* Dynamic relaxation with friction: positions and rotations on a list of neighbour pairs with the memory of
+ * the converged state; used by the native engine and by LAMMPS's fix granhom/relax. SPDX-License-Identifier:
+ * GPL-2.0-or-later */
+#ifndef GRANHOM_ENGINE_RELAX_FRICTION_H
+#define GRANHOM_ENGINE_RELAX_FRICTION_H
+
+#include "engine/relax.h"
+#include "granhom/contact.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* What a candidate pair remembers of the converged state n: the branch vector then, touching or not (method
+ * 8.11), and its history; zero for a pair without. */
+typedef struct gh_pair_memory {
+  double ln[2];
+  double gamma, gamma_pl, alpha;
+} gh_pair_memory;
+
+/* A packing under relaxation. All arrays belong to the caller. Of `grains`, stiffness is not looked at. With
+ * friction a grain and its own image do exert a moment: such pairs (i == j) belong to the list, once. */
+typedef struct gh_relax_friction {
+  gh_relax_state grains; /* n, held, pairs, x, v, f, x0, slack, started, damping; work: see below */
+  const gh_contact_law *law;
+  const double *radius;         /* n */
+  const gh_pair_memory *memory; /* npairs, parallel to grains.pairs */
+  const double *theta_n;        /* n: rotations of the converged state */
+  double *theta, *w, *m;        /* n: rotations, angular velocities of the last half step, moments. Left alone
+                                   where the law fixes rotations: theta must be theta_n then */
+} gh_relax_friction;
+
+/* Doubles that grains.work must have. */
+size_t gh_relax_friction_work(int n, int npairs);
+
+/* As gh_relax_run, with rotations: unit masses and inertia r^2/2, which makes both kinds of motion converge
+ * alike. Held grains turn, unless the law fixes rotations. The residual counts |m|/r like |f|. */
+gh_relax_end gh_relax_friction_run(gh_relax_friction *s, double tolerance, double floor, long max_steps,
+                                   double *residual, double *mean_force, long *steps);
+/* Forces and moments at x, theta. Returns the largest force on a free grain or moment over radius on a grain
+ * that may turn; *mean_force is the mean normal contact force (0: no contact). */
+double gh_relax_friction_forces(gh_relax_friction *s, double *mean_force);
+
+#ifdef __cplusplus
+}
+#endif
+#endif
