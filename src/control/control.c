@@ -255,6 +255,13 @@ static gh_status search(gh_control *c, goal *q, const double d[4], bool whole, i
   return evaluate(c, now);
 }
 
+/* An increment in which nothing changes: evaluated all the same, so that the point's measures are those of
+ * this state. */
+static gh_status stay(gh_control *c, goal *q, point_state *now) {
+  q->report->iterations++;
+  return evaluate(c, now);
+}
+
 /* Looks for the equilibrium that meets the goal from the committed state. */
 static gh_status newton(gh_control *c, goal *q, point_state *now) {
   int weak = 0;
@@ -263,7 +270,7 @@ static gh_status newton(gh_control *c, goal *q, point_state *now) {
   for (int k = 0;; k++) {
     double g[4], J[16], d[4];
     lack(q, now, g);
-    if (is_met(c, q, now, g)) return GH_OK;
+    if (is_met(c, q, now, g)) return k > 0 ? GH_OK : stay(c, q, now);
     if (k == c->options.max_iterations)
       return gh_fail(c->ctx, GH_DIVERGED, "not converged after %d iterations", k);
     slopes(q, now, now->A, J);
@@ -344,8 +351,7 @@ typedef struct walk {
   double change;
 } walk;
 
-static void aim(const gh_control *c, goal *q, double t) {
-  (void)c;
+static void aim(goal *q, double t) {
   for (int k = 0; k < 4; k++) q->now[k] = t < 1 ? q->from[k] + t * (q->end[k] - q->from[k]) : q->end[k];
 }
 
@@ -393,7 +399,7 @@ static gh_status run(gh_control *c, goal *q) {
     int before = q->report->iterations;
     double t = w.t + w.dt;
     point_state now;
-    aim(c, q, t);
+    aim(q, t);
     gh_status status = newton(c, q, &now);
     if (status == GH_OK) {
       GH_TRY(commit(c, &now));
@@ -438,7 +444,7 @@ gh_status gh_control_solve(gh_control *c, const gh_condition condition[4], const
   }
   gh_status status = run(c, &q);
   double g[4];
-  aim(c, &q, 1);
+  aim(&q, 1);
   lack(&q, &c->eq, g);
   r->mismatch = mismatch(&q, &c->eq, g);
   return status;
