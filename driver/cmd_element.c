@@ -32,7 +32,7 @@ static const char help[] =
     "  --boundary NAME        taylor, taylor-cell, restricted or periodic (default), as in granhom rve\n"
     "  --engine NAME          lammps (default) or native\n" CONTACT_HELP
     "  --tolerance T          largest force on a grain over the mean contact force (default 1e-10)\n"
-    "  --stress-tolerance T   lack of a prescribed stress over the largest stress (default 1e-8)\n"
+    "  --stress-tolerance T   lack of a prescribed stress over the largest stress (default 1e-6)\n"
     "  --max-steps N          relaxation steps after which an evaluation has failed (default 400000)\n"
     "  --cut-steps N          how often a failing increment is halved, 0 to 30 (default 6)\n"
     "  --stop-at-jumps        fail where a jump of the packing, or a limit load, has no equilibrium near,\n"

@@ -51,7 +51,7 @@ typedef struct gh_control gh_control;
 typedef struct gh_control_options {
   double stiffness; /* > 0: normal stiffness of the contacts (force per length), or what stands for it: scales
                        strains that stand for a lack of stress, and steps beyond jumps */
-  double tolerance; /* of the stress conditions, over the largest stress; default 1e-8. Conditions on the
+  double tolerance; /* of the stress conditions, over the largest stress; default 1e-6. Conditions on the
                        deformation are met to round-off */
   int max_iterations; /* of Newton per attempt, default 20 */
   int cut_steps;      /* how often a failing increment is halved, default 6 */

@@ -21,7 +21,7 @@ static const double decrease = 0.1;
 /* More strain than this at once is no correction but a tangent that means nothing any more. */
 static const double longest = 0.2;
 static const double round_off = 1e-13; /* of conditions on the deformation */
-enum { TRIALS = 5, WEAK_STEPS = 3, SERVO_STEPS = 1000, JUMPS = 100 };
+enum { TRIALS = 5, WEAK_STEPS = 3, SERVO_STEPS = 1000, FAILURES = 12, JUMPS = 100 };
 
 typedef struct point_state {
   double F[4], P[4], A[16];
@@ -48,7 +48,7 @@ typedef struct goal {
 } goal;
 
 gh_control_options gh_control_defaults(void) {
-  return (gh_control_options){.tolerance = 1e-8, .max_iterations = 20, .cut_steps = 6, .pass_jumps = true};
+  return (gh_control_options){.tolerance = 1e-6, .max_iterations = 20, .cut_steps = 6, .pass_jumps = true};
 }
 
 static gh_status check_options(gh_context *ctx, const gh_control_options *o) {
@@ -321,6 +321,7 @@ static gh_status give_up(gh_control *c, const goal *q, int steps) {
 /* Steps of at most the strain that the stress makes in the grains, committed one by one, until the goal is
  * met. */
 static gh_status servo(gh_control *c, goal *q) {
+  int failures = 0;
   double before[4] = {0},
          usual = fmin(0.01, fmax(1e-6, 0.25 * fmax(q->stress, stress_size(&c->eq)) / c->options.stiffness)),
          cap = usual;
@@ -338,7 +339,8 @@ static gh_status servo(gh_control *c, goal *q) {
     if (fatal(status)) return status;
     if (status == GH_OK) GH_TRY(commit(c, &next));
     else cap = norm4(d) / 4;
-    if (!(cap > 1e-12 * usual)) return give_up(c, q, k);
+    if (status != GH_OK && ++failures == FAILURES)
+      return gh_prefix(c->ctx, GH_DIVERGED, "servo control met %d failures: ", failures);
   }
   return give_up(c, q, SERVO_STEPS);
 }
