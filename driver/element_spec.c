@@ -27,6 +27,12 @@ static void add_rotation(element_step *step) {
   step->value[3] = 0;
 }
 
+/* Without rotation and strain; the packing may be elsewhere, and then gh_control_solve says it. */
+static gh_status check(gh_context *ctx, const element_step *step) {
+  static const double identity[4] = {1, 0, 0, 1};
+  return gh_conditions_check(ctx, step->condition, identity);
+}
+
 /* ---- YAML ---- */
 
 typedef gh_yaml_node node;
@@ -83,7 +89,8 @@ static gh_status read_conditions(gh_context *ctx, node step, element_step *s) {
     GH_TRY(read_way(value, key, s, k));
   }
   if (count == 3) add_rotation(s);
-  return GH_OK;
+  gh_status status = check(ctx, s);
+  return status == GH_OK ? GH_OK : gh_prefix(ctx, status, "%s:%d: ", gh_yaml_path(map), gh_yaml_line(map));
 }
 
 static gh_status read_until(gh_context *ctx, node step, element_step *s) {
@@ -176,6 +183,8 @@ static gh_status read_columns(gh_context *ctx, const char *path, const gh_csv *c
                    count, count == 1 ? "" : "s");
   if (count == 3) add_rotation(step);
   if (count == 3) column[3] = -1;
+  gh_status status = check(ctx, step);
+  if (status != GH_OK) return gh_prefix(ctx, status, "%s:1: ", path);
   return csv->nrows ? GH_OK : gh_fail(ctx, GH_INPUT, "%s: the path has no rows", path);
 }
 

@@ -19,7 +19,8 @@ extern "C" {
 /* What can be prescribed: name and meaning. s is the Cauchy stress P F^T / det F, P the Piola stress. */
 #define GH_QUANTITY_LIST(X)                                                                                  \
   X(F11)                                                                                                     \
-  X(F12) X(F21) X(F22) X(volume) /* det F: volume over that of the reference cell */                         \
+  X(F12)                                                                                                     \
+  X(F21) X(F22) X(volume) /* det F: volume over that of the reference cell */                                \
       X(P11) X(P12) X(P21) X(P22) X(s11) X(s12) X(s22) X(pressure) /* -(s11 + s22)/2 */
 
 typedef enum gh_quantity {
@@ -43,6 +44,10 @@ double gh_condition_value(const gh_condition *c, const double F[4], const double
 /* Its derivative with respect to F (row-major), where A is dP/dF. */
 void gh_condition_slope(const gh_condition *c, const double F[4], const double P[4], const double A[16],
                         double slope[4]);
+
+/* Whether four conditions determine F near this F, in an elastic solid without stress. GH_INPUT: one follows
+ * from the others, or none takes out the rotation. */
+gh_status gh_conditions_check(gh_context *ctx, const gh_condition condition[4], const double F[4]);
 
 /* ---- a point under control ---- */
 

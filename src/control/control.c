@@ -163,20 +163,32 @@ static void lack(const goal *q, const point_state *s, double g[4]) {
   for (int k = 0; k < 4; k++) g[k] = gh_condition_value(&q->condition[k], s->F, s->P) - q->now[k];
 }
 
-static void slopes(const goal *q, const point_state *s, const double A[16], double J[16]) {
-  for (int k = 0; k < 4; k++) gh_condition_slope(&q->condition[k], s->F, s->P, A, J + 4 * k);
+static void slopes(const goal *q, const point_state *s, double J[16]) {
+  for (int k = 0; k < 4; k++) gh_condition_slope(&q->condition[k], s->F, s->P, s->A, J + 4 * k);
 }
 
-/* M at F: the conditions' derivative for the elastic solid without stress. */
-static void reference(const gh_control *c, const goal *q, const double F[4], double M[16]) {
-  double mu = 0.25 * sqrt(3) * c->options.stiffness;
-  point_state solid = {.P = {0}};
-  memcpy(solid.F, F, sizeof solid.F);
+/* M at F: the derivative of the conditions for the elastic solid without stress, of stiffness E. */
+static void elastic_slopes(const gh_condition condition[4], double E, const double F[4], double M[16]) {
+  double mu = 0.25 * sqrt(3) * E, A[16], P[4] = {0};
   for (int a = 0; a < 16; a++) {
     int i = a >> 3, J = a >> 2 & 1, k = a >> 1 & 1, L = a & 1;
-    solid.A[a] = mu * ((i == J && k == L) + (i == k && J == L) + (i == L && J == k));
+    A[a] = mu * ((i == J && k == L) + (i == k && J == L) + (i == L && J == k));
   }
-  slopes(q, &solid, solid.A, M);
+  for (int k = 0; k < 4; k++) gh_condition_slope(&condition[k], F, P, A, M + 4 * k);
+}
+
+static void reference(const gh_control *c, const goal *q, const double F[4], double M[16]) {
+  elastic_slopes(q->condition, c->options.stiffness, F, M);
+}
+
+gh_status gh_conditions_check(gh_context *ctx, const gh_condition condition[4], const double F[4]) {
+  double M[16], zero[4] = {0}, x[4];
+  elastic_slopes(condition, 1, F, M);
+  if (gh_four_solve(M, 1, zero, x)) return GH_OK;
+  return gh_fail(
+      ctx, GH_INPUT,
+      "the four conditions do not determine F: one follows from the others, or nothing takes out the "
+      "rotation");
 }
 
 static double size_of(const gh_condition *condition) {
@@ -273,7 +285,7 @@ static gh_status newton(gh_control *c, goal *q, point_state *now) {
     if (is_met(c, q, now, g)) return k > 0 ? GH_OK : stay(c, q, now);
     if (k == c->options.max_iterations)
       return gh_fail(c->ctx, GH_DIVERGED, "not converged after %d iterations", k);
-    slopes(q, now, now->A, J);
+    slopes(q, now, J);
     if (!gh_four_solve(J, 1, g, d)) return gh_fail(c->ctx, GH_DIVERGED, "the tangent is singular");
     if (!(norm4(d) <= longest))
       return gh_fail(c->ctx, GH_DIVERGED, "the tangent asks for a strain of %.3g at once", norm4(d));
@@ -288,7 +300,7 @@ static gh_status newton(gh_control *c, goal *q, point_state *now) {
  * than cap. Without shift it is Newton's. */
 static gh_status servo_direction(gh_control *c, const goal *q, const double g[4], double cap, double d[4]) {
   double J[16], M[16], B[16], r[4], shift = 0;
-  slopes(q, &c->eq, c->eq.A, J);
+  slopes(q, &c->eq, J);
   reference(c, q, c->eq.F, M);
   if (!gh_four_solve(M, 4, J, B) || !gh_four_solve(M, 1, g, r))
     return gh_fail(c->ctx, GH_DIVERGED, "the conditions do not determine F any more");
@@ -418,18 +430,12 @@ static gh_status run(gh_control *c, goal *q) {
 }
 
 static gh_status check(gh_control *c, const goal *q) {
-  double M[16], unused[4] = {0};
   for (int k = 0; k < 4; k++)
     if (!isfinite(q->end[k]))
       return gh_fail(c->ctx, GH_INPUT, "the target of condition %d is not finite", k + 1);
   if (!c->started)
     return gh_fail(c->ctx, GH_INPUT, "the control has no state to begin with (gh_control_start)");
-  reference(c, q, c->eq.F, M);
-  if (gh_four_solve(M, 1, unused, unused)) return GH_OK;
-  return gh_fail(
-      c->ctx, GH_INPUT,
-      "the four conditions do not determine F: one follows from the others, or nothing takes out the "
-      "rotation");
+  return gh_conditions_check(c->ctx, q->condition, c->eq.F);
 }
 
 gh_status gh_control_solve(gh_control *c, const gh_condition condition[4], const double target[4],
