@@ -74,7 +74,7 @@ demo: packages
 	@scripts/demo.sh $(BUILD)
 check:
 	@scripts/install-packages.sh check
-	@$(MAKE) --no-print-directory -j$$(nproc) all tests-only
+	@$(MAKE) --no-print-directory -j$$(nproc) all lib tests-only
 	@BUILD=$(BUILD) tests/run.sh
 tests-only: $(TBIN)
 bench: packages
