@@ -79,20 +79,43 @@ static gh_status relax(gh_rve *r, double tolerance, long *left) {
   return GH_OK;
 }
 
+/* Friction leaves modes without stiffness: grains that roll on each other like gears where no odd cycle of
+ * contacts blocks them, grains that one contact holds, grains whose contacts all slide. A little stiffness of
+ * position and rotation decides them in the tangent. */
+gh_status gh_rve_factorise_coupled(gh_rve *r, bool *regular) {
+  double most = 1e-6 * r->options.law.normal_stiffness;
+  GH_TRY(gh_coupled_number(r->ctx, r->coupled, r->held, r->rattlers->flag, r->turns, &r->list, r->periodic));
+  for (;;) {
+    GH_TRY(gh_coupled_factorise(r->ctx, r->coupled, r->radius, &r->list, r->shift, regular));
+    r->m.factorisations++;
+    if (*regular || r->shift >= most) return GH_OK;
+    r->shift = r->shift > 0 ? 10 * r->shift : 1e-3 * most;
+  }
+}
+
+/* Rolling changes no contact force, so that any amount of it is the same equilibrium. Grains whose contacts
+ * slide without hardening can come to rest in many places, and relaxation alone says in which. */
+static bool rolls_only(const gh_rve *r) {
+  if (r->options.law.hardening > 0) return true;
+  for (int c = 0; c < r->list.count; c++)
+    if (r->list.friction[c].slides) return false;
+  return true;
+}
+
 static gh_status factorise(gh_rve *r, bool *good) {
   double start = gh_seconds();
   GH_TRY(gh_rve_find_rattlers(r));
   if (r->coupled) {
-    GH_TRY(
-        gh_coupled_number(r->ctx, r->coupled, r->held, r->rattlers->flag, r->turns, &r->list, r->periodic));
-    GH_TRY(gh_coupled_factorise(r->ctx, r->coupled, r->radius, &r->list, 0, good));
+    r->shift = 0;
+    GH_TRY(gh_rve_factorise_coupled(r, good));
+    *good = *good && (r->shift == 0 || rolls_only(r));
   } else {
     GH_TRY(gh_stiffness_number(r->ctx, r->stiffness, r->n, r->held, r->rattlers->flag, r->list.contacts,
                                r->list.count, r->periodic));
     GH_TRY(gh_stiffness_factorise(r->ctx, r->stiffness, r->rattlers->flag, r->list.contacts, r->list.count, 0,
                                   good));
+    r->m.factorisations++;
   }
-  r->m.factorisations++;
   r->cost.factorise += gh_seconds() - start;
   return GH_OK;
 }
@@ -138,6 +161,7 @@ static gh_status newton_step(gh_rve *r) {
  * is at the last safe positions. */
 static gh_status polish(gh_rve *r, bool *done) {
   *done = false;
+  const double fall = r->relaxes ? 0.5 : 0.95; /* rotations alone have one equilibrium: any fall will do */
   GH_TRY(gh_engine_get(r->engine, r->x, r->theta));
   for (;;) {
     bool good;
@@ -146,7 +170,7 @@ static gh_status polish(gh_rve *r, bool *done) {
     if (!good) return GH_OK;
     GH_TRY(newton_step(r));
     GH_TRY(gh_rve_look_at_contacts(r));
-    if (!(r->m.residual <= before / 2) || r->m.unjammed) { /* back to where it was */
+    if (!(r->m.residual <= fall * before) || r->m.unjammed) { /* back to where it was */
       GH_TRY(gh_engine_move(r->engine, r->x, r->theta));
       return gh_rve_look_at_contacts(r);
     }
@@ -192,6 +216,7 @@ gh_status gh_rve_equilibrate(gh_rve *r) {
   double start = gh_seconds();
   gh_mul2(r->F, r->packing->cell, cell);
   find_limits(r, cell);
+  r->shift = 0;
   GH_TRY(gh_engine_set(r->engine, cell, r->x, r->theta));
   r->cost.set += gh_seconds() - start;
   if (!gh_rve_solves(r)) return gh_rve_look_at_contacts(r);

@@ -143,6 +143,7 @@ struct gh_rve {
   gh_history history, trial_history; /* with friction */
   double dissipatedn, dissipated;    /* by friction since the begin, of both states */
   bool begun;                        /* the engine has the converged state */
+  double shift;     /* of the coupled stiffness in this evaluation: 0 until it has turned out singular */
   double *x, *step; /* n x 2 work: positions in space of the last evaluation, and of a Newton step */
   double *turn;     /* n work: rotations of a Newton step; NULL without friction */
   int *view_grain, *view_id;
@@ -162,6 +163,8 @@ gh_status gh_rve_sums(gh_rve *rve);
 /* A by static condensation; contacts and rattlers of the equilibrium are at hand. */
 gh_status gh_rve_tangent(gh_rve *rve, double A[16]);
 gh_status gh_rve_tangent_friction(gh_rve *rve, double A[16]);
+/* Factor of the coupled stiffness at the contacts at hand, with a shift where it is singular without. */
+gh_status gh_rve_factorise_coupled(gh_rve *rve, bool *regular);
 /* Marks the grains that carry nothing, into rve->rattlers and rve->m. */
 gh_status gh_rve_find_rattlers(gh_rve *rve);
 /* Whether anything is unknown at given F: positions or rotations. */
