@@ -160,11 +160,21 @@ static gh_status begin_increment(gh_rve *r) {
   return GH_OK;
 }
 
+/* Grains are guessed to turn with the body: by the rotation of the increment's F Fn^-1. Where they slide, there are many
+ * equilibria, and a guess that stays behind would end in one that a rigid rotation does not have. */
+static void guess_rotations(gh_rve *r) {
+  double f[4], inverse[4];
+  gh_inv2(r->Fn, inverse);
+  gh_mul2(r->F, inverse, f);
+  double turn = r->turns ? atan2(f[2] - f[1], f[0] + f[3]) : 0;
+  for (int i = 0; i < r->n; i++) r->theta[i] = r->thetan[i] + turn;
+}
+
 static gh_status evaluate(gh_rve *r, unsigned want, double A[16]) {
   GH_TRY(begin_increment(r));
   for (int i = 0; i < r->n; i++)
     gh_apply2(r->F, &r->yn[2 * i], &r->x[2 * i]); /* the affine guess keeps the fluctuations */
-  if (r->theta) memcpy(r->theta, r->thetan, (size_t)r->n * sizeof(double));
+  if (r->theta) guess_rotations(r);
   GH_TRY(gh_rve_equilibrate(r));
   if (r->relaxes) pull_back(r);
   if (gh_rve_solves(r)) GH_TRY(gh_rve_find_rattlers(r)); /* they serve the sums and the tangent */
