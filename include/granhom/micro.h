@@ -27,6 +27,8 @@ typedef struct gh_rve_options {
   long max_steps;   /* relaxation steps before GH_DIVERGED; 0: the default */
 } gh_rve_options;
 gh_rve_options gh_rve_defaults(void);
+/* The relaxation steps that these options allow: max_steps, or the default (friction relaxes in fewer). */
+long gh_rve_step_limit(const gh_rve_options *options);
 
 enum { GH_WANT_TANGENT = 1 };
 

@@ -5,7 +5,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { DEFAULT_STEPS = 400000 };
+/* Friction makes relaxation short where there is an equilibrium at all: a few hundred steps. */
+enum { DEFAULT_STEPS = 400000, DEFAULT_STEPS_FRICTION = 50000 };
 
 static const char *const boundary_names[] = {"taylor", "taylor-cell", "restricted", "periodic"};
 
@@ -20,8 +21,12 @@ const char *gh_boundary_name(gh_boundary b) {
 }
 
 gh_rve_options gh_rve_defaults(void) {
-  return (gh_rve_options){
-      .boundary = GH_PERIODIC, .engine = GH_ENGINE_LAMMPS, .tolerance = 1e-8, .max_steps = DEFAULT_STEPS};
+  return (gh_rve_options){.boundary = GH_PERIODIC, .engine = GH_ENGINE_LAMMPS, .tolerance = 1e-8};
+}
+
+long gh_rve_step_limit(const gh_rve_options *o) {
+  if (o->max_steps > 0) return o->max_steps;
+  return o->law.friction ? DEFAULT_STEPS_FRICTION : DEFAULT_STEPS;
 }
 
 void gh_rve_destroy(gh_rve **rve) {
@@ -115,7 +120,7 @@ gh_status gh_rve_create(gh_context *ctx, const gh_packing *packing, const gh_rve
   gh_status status;
   r->ctx = ctx;
   r->options = *options;
-  if (r->options.max_steps == 0) r->options.max_steps = DEFAULT_STEPS;
+  r->options.max_steps = gh_rve_step_limit(options);
   gh_boundary b = options->boundary;
   r->relaxes = b == GH_RESTRICTED || b == GH_PERIODIC;
   r->turns = options->law.friction && !options->law.fixed_rotations;
@@ -160,8 +165,9 @@ static gh_status begin_increment(gh_rve *r) {
   return GH_OK;
 }
 
-/* Grains are guessed to turn with the body: by the rotation of the increment's F Fn^-1. Where they slide, there are many
- * equilibria, and a guess that stays behind would end in one that a rigid rotation does not have. */
+/* Grains are guessed to turn with the body: by the rotation of the increment's F Fn^-1. Where they slide,
+ * there are many equilibria, and a guess that stays behind would end in one that a rigid rotation does not
+ * have. */
 static void guess_rotations(gh_rve *r) {
   double f[4], inverse[4];
   gh_inv2(r->Fn, inverse);
