@@ -56,26 +56,16 @@ static void add_stress(const gh_rve *r, const double *X, double A[16]) {
   }
 }
 
-static gh_status factor_of_equilibrium(gh_rve *r) {
-  bool regular;
-  double shift = 0;
-  GH_TRY(gh_coupled_number(r->ctx, r->coupled, r->held, r->rattlers->flag, r->turns, &r->list, r->periodic));
-  for (;;) {
-    GH_TRY(gh_coupled_factorise(r->ctx, r->coupled, r->radius, &r->list, shift, &regular));
-    r->m.factorisations++;
-    if (regular) return GH_OK;
-    r->m.regularised = 1;
-    shift = shift > 0 ? 10 * shift : 1e-9 * r->options.law.normal_stiffness;
-  }
-}
-
 gh_status gh_rve_tangent_friction(gh_rve *r, double A[16]) {
   memset(A, 0, 16 * sizeof *A);
   if (r->m.unjammed) return r->m.acoustic = r->m.acoustic_angle = 0, GH_OK;
   double start = gh_seconds(), inverse[4];
   const double *X = NULL;
   if (gh_rve_solves(r)) {
-    GH_TRY(factor_of_equilibrium(r));
+    bool regular;
+    GH_TRY(gh_rve_factorise_coupled(r, true, &regular));
+    r->m.regularised = r->shift > 0;
+    if (!regular) return gh_fail(r->ctx, GH_DIVERGED, "the stiffness of the packing is singular");
     memset(r->coupled->rhs, 0, 4 * (size_t)r->coupled->n * sizeof(double));
     gh_inv2(r->F, inverse);
     for (int c = 0; c < r->list.count; c++) {
