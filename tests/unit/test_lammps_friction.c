@@ -1,0 +1,253 @@
+/* Friction in LAMMPS: the engine against the native one, and the styles in LAMMPS's own hands.
+ * SPDX-License-Identifier: GPL-2.0-or-later */
+#include "../help.h"
+
+#include "engine/lammps/guard.h"
+
+#include <lammps/library.h>
+
+enum { MOST = 150, MOST_SLIPS = 2000, ENGINES = 2 };
+
+static const gh_engine_kind KINDS[ENGINES] = {GH_ENGINE_LAMMPS, GH_ENGINE_NATIVE};
+static const double E = 100;
+
+/* ---- the engine ---- */
+
+/* A packing at n and in the trial state. */
+typedef struct sample {
+  int n, nslips;
+  bool periodic;
+  gh_contact_law law;
+  const unsigned char *held;
+  double radius[MOST], cell_n[4], x_n[2 * MOST], theta_n[MOST], cell[4], x[2 * MOST], theta[MOST];
+  gh_slip slips[MOST_SLIPS];
+} sample;
+
+static gh_engine *make_engine(gh_context *ctx, const sample *s, gh_engine_kind kind) {
+  gh_engine *e;
+  const gh_engine_setup setup = {
+      .n = s->n, .radius = s->radius, .held = s->held, .periodic = s->periodic, .law = s->law};
+  OK(gh_engine_create(ctx, kind, &setup, &e));
+  return e;
+}
+
+static void put(gh_context *ctx, gh_engine *e, const sample *s) {
+  gh_converged n = {.x = s->x_n, .theta = s->theta_n, .slips = s->slips, .nslips = s->nslips};
+  memcpy(n.cell, s->cell_n, sizeof n.cell);
+  OK(gh_engine_begin(e, &n));
+  OK(gh_engine_set(e, s->cell, s->x, s->theta));
+}
+
+static gh_contact_law random_law(unsigned long long *seed, int trial) {
+  return (gh_contact_law){.normal_stiffness = E,
+                          .friction = 1,
+                          .tangential_stiffness = 80,
+                          .friction_coefficient = 0.5 * uniform(seed),
+                          .hardening = trial & 1 ? 30 * uniform(seed) : 0,
+                          .slip = trial & 2 ? GH_SLIP_OBJECTIVE : GH_SLIP_PROJECTED,
+                          .fixed_rotations = trial % 5 == 4};
+}
+
+/* A random packing that overlaps, in a cell that is turned, tilted up to twice its width, with grains kept in
+ * other cells, and with a random history of the contacts that it has at n. */
+static void draw(gh_context *ctx, unsigned long long *seed, int trial, int n, double largest, sample *s) {
+  const double tilt = trial % 4 ? 0.5 : 4,
+               F[4] = {1 + 0.01 * (uniform(seed) - 0.5), 0.01 * (uniform(seed) - 0.5),
+                       0.01 * (uniform(seed) - 0.5), 1 + 0.01 * (uniform(seed) - 0.5)},
+               T[4] = {0.6 + uniform(seed), tilt * (uniform(seed) - 0.5), 0, 0.6 + uniform(seed)};
+  double Q[4];
+  *s = (sample){.n = n, .periodic = trial % 7 != 6, .law = random_law(seed, trial)};
+  rotation(6 * uniform(seed), Q);
+  gh_mul2(Q, T, s->cell_n);
+  gh_mul2(F, s->cell_n, s->cell);
+  for (int i = 0; i < n; i++) {
+    double f[2] = {uniform(seed), uniform(seed)};
+    for (int k = 0; k < 2 && s->periodic; k++) f[k] = 6 * f[k] - 3;
+    s->radius[i] = largest * (0.3 + 0.7 * uniform(seed));
+    s->theta_n[i] = uniform(seed);
+    s->theta[i] = s->theta_n[i] + 0.04 * (uniform(seed) - 0.5);
+    gh_apply2(s->cell_n, f, &s->x_n[2 * i]);
+    gh_apply2(F, &s->x_n[2 * i], &s->x[2 * i]);
+    for (int k = 0; k < 2; k++) s->x[2 * i + k] += 0.06 * largest * (uniform(seed) - 0.5);
+  }
+  sample at_n = *s;
+  memcpy(at_n.x, s->x_n, sizeof at_n.x);
+  memcpy(at_n.cell, s->cell_n, sizeof at_n.cell);
+  gh_engine *g = make_engine(ctx, s, GH_ENGINE_NATIVE);
+  gh_contact_list list;
+  put(ctx, g, &at_n);
+  OK(gh_engine_contacts(g, &list));
+  assert_in_range(list.count, 0, MOST_SLIPS);
+  s->nslips = list.count;
+  for (int c = 0; c < list.count; c++) {
+    s->slips[c] = list.friction[c].slip;
+    s->slips[c].gamma = 0.02 * largest * (uniform(seed) - 0.5);
+    s->slips[c].gamma_pl = s->slips[c].gamma + 0.2 * largest * (uniform(seed) - 0.5);
+    s->slips[c].alpha = 0.002 * largest * uniform(seed);
+  }
+  gh_engine_destroy(&g);
+}
+
+/* Contacts of two engines, in the same order with the same keys; `scale` is that of lengths. */
+static void assert_same(const gh_contact_list *a, const gh_contact_list *b, int n, double tolerance) {
+  assert_int_equal(a->count, b->count);
+  for (int c = 0; c < a->count; c++) {
+    const gh_contact *p = &a->contacts[c], *q = &b->contacts[c];
+    const gh_friction *s = &a->friction[c], *t = &b->friction[c];
+    assert_true(p->i == q->i && p->j == q->j);
+    assert_true(s->slip.i == p->i && s->slip.j == p->j);
+    assert_memory_equal(s->slip.image, t->slip.image, sizeof s->slip.image);
+    NEAR("branch", distance(p->l, q->l, 2), 0, tolerance);
+    NEAR("force", distance(p->f, q->f, 2), 0, E * tolerance);
+    NEAR("normal stiffness", distance(p->h, q->h, 3), 0, 10 * E * tolerance);
+    NEAR("overlap", p->overlap, q->overlap, tolerance);
+    NEAR("energy", p->energy, q->energy, E * tolerance);
+    NEAR("gamma", s->slip.gamma, t->slip.gamma, tolerance);
+    NEAR("gamma_pl", s->slip.gamma_pl, t->slip.gamma_pl, tolerance);
+    NEAR("alpha", s->slip.alpha, t->slip.alpha, tolerance);
+    NEAR("f_t", s->force, t->force, E * tolerance);
+    NEAR("couple", s->couple, t->couple, E * tolerance);
+    NEAR("derivative", distance(s->d, t->d, 9), 0, 10 * E * tolerance);
+    NEAR("energy", s->energy, t->energy, E * tolerance);
+    NEAR("dissipated", s->dissipated, t->dissipated, E * tolerance);
+    assert_int_equal(s->slides, t->slides);
+  }
+  NEAR("forces", distance(a->force, b->force, 2 * n), 0, 10 * E * tolerance);
+  NEAR("moments", distance(a->moment, b->moment, n), 0, 10 * E * tolerance);
+}
+
+/* Random packings, also of one to three grains that touch themselves and each other through several images;
+ * then moved a little and a lot. Lengths are about 1. */
+static void same_as_native(void **state) {
+  gh_context *ctx = *state;
+  unsigned long long seed = 41;
+  print_message("seed %llu\n", seed);
+  static sample s;
+  int own = 0, slides = 0, contacts = 0;
+  for (int trial = 0; trial < 168; trial++) {
+    const int n = trial % 3 ? trial % 3 + trial % 2 : 30;
+    draw(ctx, &seed, trial, n, trial % 3 ? 0.5 : 0.13, &s);
+    gh_engine *g[ENGINES];
+    gh_contact_list list[ENGINES];
+    for (int k = 0; k < ENGINES; k++) {
+      g[k] = make_engine(ctx, &s, KINDS[k]);
+      put(ctx, g[k], &s);
+    }
+    for (int step = 0; step < 3; step++) {
+      for (int k = 0; k < ENGINES; k++) {
+        if (step) OK(gh_engine_move(g[k], s.x, s.theta));
+        OK(gh_engine_contacts(g[k], &list[k]));
+      }
+      assert_same(&list[0], &list[1], n, 1e-12);
+      contacts += list[0].count;
+      for (int c = 0; c < list[0].count; c++) {
+        own += list[0].contacts[c].i == list[0].contacts[c].j;
+        slides += list[0].friction[c].slides;
+      }
+      for (int k = 0; k < 2 * n; k++) s.x[k] += (step ? 0.1 : 1e-3) * (uniform(&seed) - 0.5);
+      for (int k = 0; k < n; k++) s.theta[k] += 0.01 * (uniform(&seed) - 0.5);
+    }
+    for (int k = 0; k < ENGINES; k++) gh_engine_destroy(&g[k]);
+  }
+  print_message("%d contacts, %d slide, %d with a grain's own image\n", contacts, slides, own);
+  assert_true(contacts > 5000 && slides > 2000 && own > 80);
+}
+
+/* What comes back depends on state n, cell, positions and rotations only, to the last bit. */
+static void no_memory(void **state) {
+  gh_context *ctx = *state;
+  unsigned long long seed = 42;
+  static sample s, other;
+  draw(ctx, &seed, 1, 40, 0.12, &s);
+  draw(ctx, &seed, 0, 40, 0.12, &other);
+  other.law = s.law;
+  memcpy(other.radius, s.radius, sizeof s.radius);
+  other.nslips = 0;
+  const gh_relax_options o = {1e-6, 2000, 0};
+  gh_engine *fresh = make_engine(ctx, &s, GH_ENGINE_LAMMPS), *used = make_engine(ctx, &s, GH_ENGINE_LAMMPS);
+  gh_relax_result r[2];
+  gh_contact_list a, b;
+  put(ctx, used, &other);
+  OK(gh_engine_relax(used, &o, r));
+  put(ctx, used, &s);
+  put(ctx, fresh, &s);
+  for (int step = 0; step < 2; step++) {
+    OK(gh_engine_contacts(fresh, &a));
+    OK(gh_engine_contacts(used, &b));
+    assert_int_equal(a.count, b.count);
+    assert_memory_equal(a.contacts, b.contacts, (size_t)a.count * sizeof *a.contacts);
+    assert_memory_equal(a.friction, b.friction, (size_t)a.count * sizeof *a.friction);
+    assert_memory_equal(a.moment, b.moment, (size_t)s.n * sizeof *a.moment);
+    OK(gh_engine_relax(fresh, &o, &r[0]));
+    OK(gh_engine_relax(used, &o, &r[1]));
+    assert_int_equal(r[0].steps, r[1].steps);
+  }
+  gh_engine_destroy(&fresh);
+  gh_engine_destroy(&used);
+}
+
+/* A reference packing at rest, deformed by F and turned; no history. */
+static void case_sample(gh_context *ctx, const char *name, const double F[4], double turn, double mu,
+                        sample *s) {
+  gh_packing *p = case_packing(ctx, name);
+  double Q[4], QF[4];
+  *s = (sample){
+      .n = p->n,
+      .periodic = true,
+      .law = {.normal_stiffness = E, .friction = 1, .tangential_stiffness = E, .friction_coefficient = mu}};
+  assert_in_range(p->n, 1, MOST);
+  rotation(turn, Q);
+  gh_mul2(Q, F, QF);
+  memcpy(s->radius, p->radius, (size_t)p->n * sizeof(double));
+  gh_mul2(Q, p->cell, s->cell_n);
+  gh_mul2(QF, p->cell, s->cell);
+  for (int i = 0; i < p->n; i++) {
+    gh_apply2(Q, &p->x[2 * i], &s->x_n[2 * i]);
+    gh_apply2(QF, &p->x[2 * i], &s->x[2 * i]);
+  }
+  gh_packing_destroy(&p);
+}
+
+/* Both engines run the same kernel on the same pairs: as many steps, and the same equilibrium. The residual
+ * is what the forces say. Held grains stay and turn. */
+static void relaxes_as_native(void **state) {
+  gh_context *ctx = *state;
+  static sample s;
+  unsigned char held[MOST] = {0};
+  for (int i = 0; i < MOST; i += 9) held[i] = 1;
+  for (int k = 0; k < 6; k++) {
+    const double F[4] = {0.998, 0.002, 0, 0.999};
+    case_sample(ctx, "p150d", F, k % 2, k % 3 == 2 ? 0.1 : 0.5, &s);
+    s.held = k % 3 == 1 ? held : NULL;
+    s.periodic = k != 4;
+    gh_relax_result r[ENGINES];
+    double x[ENGINES][2 * MOST], theta[ENGINES][MOST];
+    gh_contact_list list;
+    for (int m = 0; m < ENGINES; m++) {
+      gh_engine *g = make_engine(ctx, &s, KINDS[m]);
+      put(ctx, g, &s);
+      OK(gh_engine_relax(g, &(gh_relax_options){1e-11, 100000, 0}, &r[m]));
+      assert_true(r[m].converged && r[m].residual <= 1e-11);
+      OK(gh_engine_get(g, x[m], theta[m]));
+      OK(gh_engine_contacts(g, &list));
+      double largest = 0;
+      for (int i = 0; i < s.n; i++) {
+        if (!s.held || !held[i]) largest = fmax(largest, hypot(list.force[2 * i], list.force[2 * i + 1]));
+        else assert_memory_equal(&x[m][2 * i], &s.x[2 * i], 2 * sizeof(double));
+        largest = fmax(largest, fabs(list.moment[i]) / s.radius[i]);
+      }
+      NEAR("residual", largest / r[m].mean_force, r[m].residual, 3e-12);
+      gh_engine_destroy(&g);
+    }
+    print_message("steps: %ld and %ld\n", r[0].steps, r[1].steps);
+    NEAR("mean force", r[0].mean_force, r[1].mean_force, 1e-9 * r[1].mean_force);
+    NEAR("positions", distance(x[0], x[1], 2 * s.n), 0, 1e-8 * s.radius[0]);
+    NEAR("rotations", distance(theta[0], theta[1], s.n), 0, 1e-7);
+    assert_true(norm(theta[0], s.n) > 1e-5);
+  }
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {TEST(same_as_native), TEST(no_memory), TEST(relaxes_as_native)};
+  return cmocka_run_group_tests(tests, NULL, NULL);
+}
