@@ -88,18 +88,20 @@ static void draw(gh_context *ctx, unsigned long long *seed, int trial, int n, do
   gh_engine_destroy(&g);
 }
 
-/* Contacts of two engines, in the same order with the same keys; `scale` is that of lengths. */
+/* Contacts of two engines, in the same order with the same keys. Centres that are near each other make second
+ * derivatives large, and their rounding. */
 static void assert_same(const gh_contact_list *a, const gh_contact_list *b, int n, double tolerance) {
   assert_int_equal(a->count, b->count);
   for (int c = 0; c < a->count; c++) {
     const gh_contact *p = &a->contacts[c], *q = &b->contacts[c];
     const gh_friction *s = &a->friction[c], *t = &b->friction[c];
+    const double near = 1 + pow(1 + p->overlap / hypot(p->l[0], p->l[1]), 2);
     assert_true(p->i == q->i && p->j == q->j);
     assert_true(s->slip.i == p->i && s->slip.j == p->j);
     assert_memory_equal(s->slip.image, t->slip.image, sizeof s->slip.image);
     NEAR("branch", distance(p->l, q->l, 2), 0, tolerance);
     NEAR("force", distance(p->f, q->f, 2), 0, E * tolerance);
-    NEAR("normal stiffness", distance(p->h, q->h, 3), 0, 10 * E * tolerance);
+    NEAR("normal stiffness", distance(p->h, q->h, 3), 0, near * E * tolerance);
     NEAR("overlap", p->overlap, q->overlap, tolerance);
     NEAR("energy", p->energy, q->energy, E * tolerance);
     NEAR("gamma", s->slip.gamma, t->slip.gamma, tolerance);
@@ -107,7 +109,7 @@ static void assert_same(const gh_contact_list *a, const gh_contact_list *b, int 
     NEAR("alpha", s->slip.alpha, t->slip.alpha, tolerance);
     NEAR("f_t", s->force, t->force, E * tolerance);
     NEAR("couple", s->couple, t->couple, E * tolerance);
-    NEAR("derivative", distance(s->d, t->d, 9), 0, 10 * E * tolerance);
+    NEAR("derivative", distance(s->d, t->d, 9), 0, 10 * near * E * tolerance);
     NEAR("energy", s->energy, t->energy, E * tolerance);
     NEAR("dissipated", s->dissipated, t->dissipated, E * tolerance);
     assert_int_equal(s->slides, t->slides);
