@@ -5,6 +5,7 @@
 #include "engine/lammps/guard.h"
 
 #include <lammps/library.h>
+#include <unistd.h>
 
 enum { MOST = 150, MOST_SLIPS = 2000, ENGINES = 2 };
 
@@ -249,7 +250,434 @@ static void relaxes_as_native(void **state) {
   }
 }
 
+/* ---- the styles in LAMMPS's own hands ---- */
+
+static void command(gh_context *ctx, void *lmp, const char *line) {
+  OK(gh_lmp_command(ctx, lmp, "%s", line));
+}
+
+static void commands(gh_context *ctx, void *lmp, const char *const *lines) {
+  for (; *lines; lines++) command(ctx, lmp, *lines);
+}
+
+/* Two disks of radius 1 and 0.5 in a periodic box, the second at `l` from the first, across the box's
+ * boundary. */
+static void *two_disks(gh_context *ctx, const char *style, const char *coefficients, const double l[2]) {
+  static const char *const box[] = {"dimension 2",
+                                    "atom_style sphere",
+                                    "atom_modify map array",
+                                    "newton off",
+                                    "region r prism 0 9 0 8 -1 1 0.7 0 0",
+                                    "create_box 1 r",
+                                    "neighbor 0.3 bin",
+                                    "neigh_modify every 1 delay 0 check yes",
+                                    NULL};
+  const int id[2] = {1, 2}, type[2] = {1, 1};
+  const double x[6] = {8.9, 0.5, 0, 8.9 + l[0] - 9, 0.5 + l[1], 0};
+  void *lmp;
+  double *radius;
+  OK(gh_lmp_open(ctx, &lmp));
+  commands(ctx, lmp, box);
+  OK(gh_lmp_create_atoms(ctx, lmp, 2, id, type, x));
+  OK(gh_lmp_atom(ctx, lmp, "radius", &radius));
+  radius[0] = 1, radius[1] = 0.5;
+  command(ctx, lmp, "group second id 2");
+  OK(gh_lmp_command(ctx, lmp, "pair_style granhom/coulomb %s", style));
+  OK(gh_lmp_command(ctx, lmp, "pair_coeff * * %s", coefficients));
+  command(ctx, lmp, "compute c all granhom/contact/local");
+  command(ctx, lmp, "compute s all granhom/stress");
+  command(ctx, lmp, "timestep 0.001");
+  return lmp;
+}
+
+/* Forces and torques by id: f_x f_y m. */
+static void forces(gh_context *ctx, void *lmp, int n, double *out) {
+  int *tag;
+  double **f, **torque;
+  OK(gh_lmp_atom(ctx, lmp, "id", &tag));
+  OK(gh_lmp_atom(ctx, lmp, "f", &f));
+  OK(gh_lmp_atom(ctx, lmp, "torque", &torque));
+  for (int k = 0; k < n; k++) {
+    double *o = out + 3 * (tag[k] - 1);
+    o[0] = f[k][0], o[1] = f[k][1], o[2] = torque[k][2];
+  }
+}
+
+/* The only row of the contacts; NULL: there is none. */
+static const double *row_of(gh_context *ctx, void *lmp) {
+  int count;
+  double **rows;
+  OK(gh_lmp_local(ctx, lmp, "c", &count, &rows));
+  assert_in_range(count, 0, 1);
+  return count ? rows[0] : NULL;
+}
+
+static void turn_second(gh_context *ctx, void *lmp, double d, double from, double to) {
+  OK(gh_lmp_command(ctx, lmp, "displace_atoms second move %.17g %.17g 0", d * (cos(to) - cos(from)),
+                    d * (sin(to) - sin(from))));
+}
+
+/* Increments by hand: the second disk goes round the first in committed steps. The contact sticks, then
+ * slides with the slope E_t h/(E_t + h), and unloads with E_t; force, torque, stress and LAMMPS's virial are
+ * those of the closed form, and a commit without a move leaves all but the scaling c. */
+static void increments_by_hand(void **state) {
+  gh_context *ctx = *state;
+  const double e = 0.02, d = 1.5 - e, step = 0.0005, Et = 80, h = 20, fn = 100 * e, slip = d * sin(step);
+  void *lmp = two_disks(ctx, "increment manual", "100 80 0.3 20", (double[2]){d, 0});
+  command(ctx, lmp, "compute p all pressure NULL virial");
+  command(ctx, lmp, "run 0 post no");
+  double gamma = 0, plastic = 0, b = 0;
+  for (int k = 1; k <= 25; k++) {
+    const int back = k > 20;
+    turn_second(ctx, lmp, d, b, b + (back ? -step : step));
+    b += back ? -step : step;
+    command(ctx, lmp, "run 0 post no");
+    gamma -= back ? -slip : slip;
+    const int slides = !back && -gamma * Et > 0.3 * fn;
+    if (slides) plastic = gamma + (h * Et * -gamma + Et * 0.3 * fn) / (Et + h) / Et;
+    double f[6];
+    for (int again = 0; again < 2; again++) {
+      const double ft = Et * (gamma - plastic), c = again ? 1 : cos(step), n[2] = {cos(b), sin(b)},
+                   expected[2] = {-fn * n[0] + c * ft * n[1], -fn * n[1] - c * ft * n[0]};
+      forces(ctx, lmp, 2, f);
+      const double *row = row_of(ctx, lmp), *stress = lammps_extract_compute(lmp, "s", 0, LMP_TYPE_VECTOR);
+      assert_non_null(row);
+      NEAR("gamma", row[18], gamma, 1e-13);
+      NEAR("gamma_pl", row[19], plastic, 1e-12);
+      NEAR("alpha", row[20], -plastic, 1e-12);
+      NEAR("f_t", row[17], ft, 1e-11);
+      if (!again) assert_int_equal((int)row[21], slides);
+      for (int m = 0; m < 2; m++) {
+        NEAR("force", f[m], expected[m], 1e-11);
+        NEAR("reaction", f[3 + m], -expected[m], 1e-11);
+        for (int q = 0; q < 2; q++) NEAR("stress", stress[3 * m + q], expected[m] * d * n[q] / 72, 1e-12);
+      }
+      NEAR("torque", f[2], -c * d / 1.5 * ft, 1e-11);
+      NEAR("torque", f[5], -0.5 * c * d / 1.5 * ft, 1e-11);
+      if (again) break;
+      command(ctx, lmp, "fix_modify granhom_history commit yes");
+      command(ctx, lmp, "run 0 post no");
+    }
+  }
+  assert_true(plastic < -0.001);
+  gh_lmp_close(&lmp);
+}
+
+/* Each time step an increment: a disk that turns with a given omega slips by omega r dt |l|/(r_i + r_j) a
+ * step; many runs, with setup or without, are as good as one. */
+static void increments_by_time_step(void **state) {
+  gh_context *ctx = *state;
+  const double d = 1.48, omega = 2, slip = omega * 0.001 * d / 1.5;
+  double f[3][6];
+  for (int k = 0; k < 3; k++) {
+    void *lmp = two_disks(ctx, "increment step", "100 80 0.3 0", (double[2]){d, 0});
+    double **w;
+    command(ctx, lmp, "fix drag all viscous 0");
+    OK(gh_lmp_atom(ctx, lmp, "omega", &w));
+    w[0][2] = omega;
+    for (int run = 0; run < 3; run++) command(ctx, lmp, k && run ? "run 1 pre no post no" : "run 1 post no");
+    if (k == 2) command(ctx, lmp, "run 0 post no");
+    const double *row = row_of(ctx, lmp);
+    NEAR("gamma", row[18], 3 * slip, 1e-14);
+    forces(ctx, lmp, 2, f[k]);
+    NEAR("torque", f[k][2], -80 * 3 * slip * d / 1.5, 1e-12);
+    command(ctx, lmp, "run 10 post no");
+    NEAR("limit", row_of(ctx, lmp)[17], 0.6, 1e-12);
+    gh_lmp_close(&lmp);
+  }
+  for (int k = 1; k < 3; k++) NEAR("runs", distance(f[0], f[k], 6), 0, 1e-12);
+}
+
+/* A contact that opens loses its slip; alpha returns, here after the pair was apart for two increments. */
+static void opening(void **state) {
+  gh_context *ctx = *state;
+  void *lmp = two_disks(ctx, "increment manual", "100 80 0.3 20", (double[2]){1.48, 0});
+  command(ctx, lmp, "run 0 post no");
+  turn_second(ctx, lmp, 1.48, 0, 0.01);
+  command(ctx, lmp, "run 0 post no");
+  const double alpha = row_of(ctx, lmp)[20];
+  assert_true(alpha > 1e-3);
+  for (int k = 0; k < 3; k++) {
+    command(ctx, lmp, "fix_modify granhom_history commit yes");
+    if (k < 2)
+      command(ctx, lmp, k ? "displace_atoms second move 0.2 0.1 0" : "displace_atoms second move 0.2 0 0");
+    else command(ctx, lmp, "displace_atoms second move -0.4 -0.1 0");
+    command(ctx, lmp, "run 0 post no");
+    if (k < 2) assert_null(row_of(ctx, lmp));
+  }
+  const double *row = row_of(ctx, lmp), l[2] = {1.48 * cos(0.01), 1.48 * sin(0.01)};
+  /* the whole way of the last increment counts: from the separated pair, l + (0.4, 0.1) */
+  const double gamma = -((l[0] + 0.4) * l[1] - (l[1] + 0.1) * l[0]) / 1.48,
+               force = (80 * gamma - 0.3 * 2 - 20 * alpha) / 100;
+  assert_non_null(row);
+  NEAR("gamma", row[18], gamma, 1e-13);
+  NEAR("alpha", row[20], alpha + force, 1e-12);
+  gh_lmp_close(&lmp);
+}
+
+/* What single() says of a contact is what compute() did: LAMMPS's compute pair/local asks it. */
+static void single_contacts(void **state) {
+  gh_context *ctx = *state;
+  void *lmp = two_disks(ctx, "increment manual slip objective", "100 80 0.3 20", (double[2]){1.3, 0.6});
+  int count;
+  double **rows, f[6];
+  command(ctx, lmp, "compute l all pair/local dist eng force fx fy p1 p2 p3 p4 p5 p6 p7 p8 p9");
+  command(ctx, lmp, "compute e all pe");
+  command(ctx, lmp, "thermo_style custom step c_e");
+  command(ctx, lmp, "run 0 post no");
+  command(ctx, lmp, "displace_atoms second move 0.01 -0.02 0");
+  command(ctx, lmp, "run 0 post no");
+  const double *row = row_of(ctx, lmp);
+  double contact[26];
+  memcpy(contact, row, sizeof contact);
+  forces(ctx, lmp, 2, f);
+  OK(gh_lmp_local(ctx, lmp, "l", &count, &rows));
+  assert_int_equal(count, 1);
+  const double *p = rows[0], *extra = p + 5, sign = p[3] * f[0] > 0 ? 1 : -1; /* of either atom */
+  NEAR("distance", p[0], hypot(contact[2], contact[3]), 1e-14);
+  NEAR("normal force", p[2], hypot(p[3], p[4]), 1e-12);
+  for (int m = 0; m < 2; m++) NEAR("force", p[3 + m] + extra[m], sign * f[m], 1e-12);
+  NEAR("energy", p[1], contact[9] + contact[24], 1e-13);
+  NEAR("energy of LAMMPS", *(double *)lammps_extract_compute(lmp, "e", 0, LMP_TYPE_SCALAR), p[1], 1e-13);
+  const int columns[] = {17, 16, 18, 19, 20, 21}; /* f_t, couple, gamma, gamma_pl, alpha, slides */
+  for (int m = 0; m < 6; m++) NEAR("extra", extra[3 + m], contact[columns[m]], 1e-12);
+  gh_lmp_close(&lmp);
+}
+
+/* The reference packing in LAMMPS's own hands. */
+static void *open_packing(gh_context *ctx, const char *name, const char *style, const char *coefficients) {
+  static const char *const before[] = {"dimension 2", "atom_style sphere", "atom_modify map array",
+                                       "newton off",  "box tilt large",    NULL};
+  static const char *const after[] = {"neighbor 0.02 bin", "neigh_modify every 1 delay 0 check yes",
+                                      "compute s all granhom/stress", NULL};
+  void *lmp;
+  OK(gh_lmp_open(ctx, &lmp));
+  commands(ctx, lmp, before);
+  OK(gh_lmp_command(ctx, lmp, "read_data tests/data/cases/packings/%s.data", name));
+  command(ctx, lmp, "change_box all triclinic");
+  OK(gh_lmp_command(ctx, lmp, "pair_style %s", style));
+  OK(gh_lmp_command(ctx, lmp, "pair_coeff * * %s", coefficients));
+  commands(ctx, lmp, after);
+  return lmp;
+}
+
+/* A box that fix deform flips is the same packing as one that it does not flip. */
+static void flips(void **state) {
+  gh_context *ctx = *state;
+  static double f[2][3 * MOST];
+  int n = 0;
+  for (int k = 0; k < 2; k++) {
+    void *lmp = open_packing(ctx, "p150d", "granhom/coulomb", "1000 800 0.5 10");
+    command(ctx, lmp, "timestep 1e-4");
+    command(ctx, lmp, "fix m all nve/sphere disc");
+    command(ctx, lmp, "fix d all viscous 0.3");
+    command(ctx, lmp,
+            k ? "fix s all deform 1 xy final 1.4 remap x flip yes"
+              : "fix s all deform 1 xy final 1.4 remap x flip no");
+    command(ctx, lmp, "run 600 post no");
+    double tilt = lammps_get_thermo(lmp, "xy"), wide = lammps_get_thermo(lmp, "lx");
+    assert_true(k ? tilt < 0.5 * wide : tilt > 0.5 * wide);
+    OK(gh_lmp_setting(ctx, lmp, "nlocal", &n));
+    forces(ctx, lmp, n, f[k]);
+    gh_lmp_close(&lmp);
+  }
+  print_message("forces up to %g, flipped or not differ by %g\n", norm(f[0], 3 * n),
+                distance(f[0], f[1], 3 * n));
+  NEAR("forces", distance(f[0], f[1], 3 * n), 0, 1e-8 * norm(f[0], 3 * n));
+}
+
+/* The box becomes (1 + g) of lx and xy, or of ly. */
+static void stretch(gh_context *ctx, void *lmp, int along, const double box[3], double g) {
+  if (along) OK(gh_lmp_command(ctx, lmp, "change_box all y final 0 %.17g remap", box[1] * (1 + g)));
+  else
+    OK(gh_lmp_command(ctx, lmp, "change_box all x final 0 %.17g xy final %.17g remap", box[0] * (1 + g),
+                      box[2] * (1 + g)));
+}
+
+static void stress_now(void *lmp, double s[4]) {
+  const double *v = lammps_extract_compute(lmp, "s", 0, LMP_TYPE_VECTOR);
+  memcpy(s, (double[4]){v[0], v[1], v[3], v[4]}, 4 * sizeof *s);
+}
+
+/* The tangent is the derivative of the relaxed stress at fixed state n, with friction and without, with one
+ * relaxation step per time step and with many. LAMMPS's boxes allow F11, F12, F22; turning gives F21. */
+static void tangents(void **state) {
+  gh_context *ctx = *state;
+  for (int k = 0; k < 3; k++) {
+    void *lmp = open_packing(ctx, "p50d", k ? "granhom/coulomb increment manual" : "granhom/normal",
+                             k ? "1000 800 0.3 20" : "1000");
+    const double h = 1e-6;
+    double A[16], S[4], worst = 0;
+    command(ctx, lmp, "compute t all granhom/tangent");
+    command(ctx, lmp,
+            k == 2 ? "fix r all granhom/relax tolerance 1e-11"
+                   : "fix r all granhom/relax tolerance 1e-11 inner yes");
+    command(ctx, lmp, "run 100000 post no");
+    for (int step = 0; step < 2; step++) {
+      if (k) command(ctx, lmp, "fix_modify granhom_history commit yes");
+      command(ctx, lmp, "change_box all x scale 0.999 y scale 0.9995 xy delta 0.001 remap");
+      command(ctx, lmp, "run 100000 post no");
+    }
+    double **array = lammps_extract_compute(lmp, "t", LMP_STYLE_GLOBAL, LMP_TYPE_ARRAY);
+    assert_non_null(array);
+    memcpy(A, array[0], sizeof A);
+    stress_now(lmp, S);
+    const double box[3] = {lammps_get_thermo(lmp, "lx"), lammps_get_thermo(lmp, "ly"),
+                           lammps_get_thermo(lmp, "xy")};
+    for (int c = 0; c < 4; c++) {
+      if (c == 2) continue;
+      double P[2][4];
+      for (int side = 0; side < 2; side++) {
+        const double g = side ? -h : h, move = side ? -2 * h : h; /* from the other side */
+        if (c == 1) OK(gh_lmp_command(ctx, lmp, "change_box all xy delta %.17g remap", move * box[1]));
+        else stretch(ctx, lmp, c, box, g);
+        command(ctx, lmp, "run 100000 post no");
+        double s[4],
+            J = c == 1 ? 1 : 1 + g,
+            inverse[4] = {c == 0 ? 1 / J : 1, 0, c == 1 ? -g : 0, c == 3 ? 1 / J : 1}; /* of F, transposed */
+        stress_now(lmp, s);
+        gh_mul2(s, inverse, P[side]);
+        for (int m = 0; m < 4; m++) P[side][m] *= J;
+      }
+      if (c == 1) OK(gh_lmp_command(ctx, lmp, "change_box all xy delta %.17g remap", h * box[1]));
+      else stretch(ctx, lmp, c, box, 0);
+      command(ctx, lmp, "run 100000 post no");
+      for (int m = 0; m < 4; m++) worst = fmax(worst, fabs(A[4 * m + c] - (P[0][m] - P[1][m]) / (2 * h)));
+    }
+    print_message("tangent %g, against differences %g\n", norm(A, 16), worst / norm(A, 16));
+    NEAR("tangent", worst / norm(A, 16), 0, 1e-5);
+    const double WS[4] = {-S[2], -S[3], S[0], S[1]};
+    for (int m = 0; m < 4 && !k; m++) NEAR("turning", A[4 * m + 2] - A[4 * m + 1], WS[m], 1e-9 * norm(A, 16));
+    gh_lmp_close(&lmp);
+  }
+}
+
+/* Wrong use ends in messages that say what is wrong. */
+static void wrong_use(void **state) {
+  gh_context *ctx = *state;
+  static const char *const wrong[][2] = {
+      {"pair_style granhom/coulomb increment", "no value for increment"},
+      {"pair_style granhom/coulomb increment often", "increment is manual or step, not often"},
+      {"pair_style granhom/coulomb slip wet", "slip is projected or objective, not wet"},
+      {"pair_style granhom/coulomb speed 3", "unknown keyword speed"},
+      {"pair_coeff * * 100", "pair_coeff I J E_n E_t mu h"},
+      {"pair_coeff * * -1 80 0.3 0",
+       "Normal stiffness of pair granhom/coulomb must be positive and finite, not -1"},
+      {"pair_coeff * * 100 0 0.3 0",
+       "Tangential stiffness of pair granhom/coulomb must be positive and finite, not 0"},
+      {"pair_coeff * * 100 80 -0.3 0",
+       "Friction coefficient of pair granhom/coulomb must be finite and not negative, but is -0.3"},
+      {"pair_coeff * * 100 80 0.3 -2",
+       "Hardening of pair granhom/coulomb must be finite and not negative, but is -2"},
+      {"fix h all granhom/history", "made by pair style granhom/coulomb"},
+      {"compute w second granhom/stress", "wants the group all"},
+      {"compute w all granhom/tangent x", "takes no arguments"},
+      {"run_style respa 2 2\nrun 0", "does not run with run_style respa"},
+      {"minimize 0 0 1 1", "use fix granhom/relax"},
+      {"fix r all granhom/relax inner yes\nrun 1", "requires granhom/coulomb with increment manual"},
+      {"fix r all granhom/relax inner maybe", "inner is yes or no, not maybe"},
+  };
+  for (size_t k = 0; k < sizeof wrong / sizeof *wrong; k++) {
+    void *lmp = two_disks(ctx, "", "100 80 0.3 0", (double[2]){1.48, 0});
+    char text[300], *line = text, *rest;
+    gh_status status = GH_OK;
+    snprintf(text, sizeof text, "%s", wrong[k][0]);
+    for (; line && status == GH_OK; line = rest) {
+      rest = strchr(line, '\n');
+      if (rest) *rest++ = 0;
+      status = gh_lmp_command(ctx, lmp, "%s", line);
+    }
+    FAILS(status, GH_ENGINE, wrong[k][1]);
+    gh_lmp_close(&lmp);
+  }
+}
+
+/* What the pair style cannot do is refused: newton on, three dimensions, no radii; a compute from before the
+ * pair style, which has another number of columns. */
+static void wrong_simulation(void **state) {
+  gh_context *ctx = *state;
+  static const char *const wrong[][4] = {
+      {"dimension 2", "atom_style sphere", "newton on", "requires newton off"},
+      {"dimension 3", "atom_style sphere", "newton off", "requires a 2d simulation"},
+      {"dimension 2", "atom_style atomic", "newton off", "requires atom style sphere"},
+      {"dimension 2", "atom_style sphere", "newton off", "must be defined after the pair style"}};
+  static const char *const rest[] = {"region r block 0 9 0 8 -1 1", "create_box 1 r",
+                                     "create_atoms 1 single 1 1 0", NULL};
+  for (size_t k = 0; k < sizeof wrong / sizeof *wrong; k++) {
+    void *lmp;
+    OK(gh_lmp_open(ctx, &lmp));
+    for (int line = 0; line < 3; line++) command(ctx, lmp, wrong[k][line]);
+    commands(ctx, lmp, rest);
+    if (k == 2) command(ctx, lmp, "mass 1 1");
+    if (k == 3) command(ctx, lmp, "compute c all granhom/contact/local");
+    command(ctx, lmp, "pair_style granhom/coulomb");
+    command(ctx, lmp, "pair_coeff * * 100 80 0.3 0");
+    FAILS(gh_lmp_command(ctx, lmp, "run 0"), GH_ENGINE, wrong[k][3]);
+    gh_lmp_close(&lmp);
+  }
+}
+
+/* Restart files: with the same law they go on, with another law or style they are refused. */
+static void restarts(void **state) {
+  gh_context *ctx = *state;
+  static const struct {
+    const char *line, *words;
+  } scripts[] = {
+      {NULL, NULL},
+      {"pair_style granhom/coulomb increment manual", NULL},
+      {"pair_coeff * * 100 80 0.3 10", NULL},
+      {"pair_coeff * * 100 80 0.2 10", "other coefficients of the types 1 and 1"},
+      {"pair_style granhom/coulomb slip objective", "with slip projected, the script says objective"},
+      {"pair_style granhom/coulomb rotations fixed", "with rotations free, the script says fixed"},
+      {"pair_style granhom/normal\npair_coeff * * 100", "granhom/normal would drop"}};
+  char file[] = "/tmp/granhom-restart-XXXXXX";
+  const int handle = mkstemp(file);
+  assert_true(handle >= 0);
+  close(handle);
+  double f[6], g[6];
+  void *lmp = two_disks(ctx, "increment step", "100 80 0.3 10", (double[2]){1.48, 0});
+  double **w;
+  OK(gh_lmp_atom(ctx, lmp, "omega", &w));
+  w[0][2] = 2;
+  command(ctx, lmp, "run 7 post no");
+  OK(gh_lmp_command(ctx, lmp, "write_restart %s", file));
+  command(ctx, lmp, "run 0 post no");
+  forces(ctx, lmp, 2, f);
+  assert_true(fabs(f[2]) > 0.1);
+  gh_lmp_close(&lmp);
+  for (size_t k = 0; k < sizeof scripts / sizeof *scripts; k++) {
+    OK(gh_lmp_open(ctx, &lmp));
+    command(ctx, lmp, "newton off");
+    OK(gh_lmp_command(ctx, lmp, "read_restart %s", file));
+    char text[200];
+    snprintf(text, sizeof text, "%s", scripts[k].line ? scripts[k].line : "");
+    char *rest = strchr(text, '\n');
+    if (rest) *rest++ = 0;
+    if (*text) command(ctx, lmp, text);
+    if (rest) command(ctx, lmp, rest);
+    if (scripts[k].words) FAILS(gh_lmp_command(ctx, lmp, "run 0 post no"), GH_ENGINE, scripts[k].words);
+    else {
+      command(ctx, lmp, "run 0 post no");
+      forces(ctx, lmp, 2, g);
+      assert_memory_equal(f, g, sizeof f);
+    }
+    gh_lmp_close(&lmp);
+  }
+  unlink(file);
+}
+
 int main(void) {
-  const struct CMUnitTest tests[] = {TEST(same_as_native), TEST(no_memory), TEST(relaxes_as_native)};
+  const struct CMUnitTest tests[] = {TEST(same_as_native),
+                                     TEST(no_memory),
+                                     TEST(relaxes_as_native),
+                                     TEST(increments_by_hand),
+                                     TEST(increments_by_time_step),
+                                     TEST(opening),
+                                     TEST(single_contacts),
+                                     TEST(flips),
+                                     TEST(tangents),
+                                     TEST(wrong_use),
+                                     TEST(wrong_simulation),
+                                     TEST(restarts)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
