@@ -20,7 +20,7 @@ export OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 ENGINE FRESH="${FRESH:-0}"
 cp "$build/granhom" "$out/granhom"
 cp "$build/tests/verify/test_friction" "$out/test_friction"
 scenes/friction/paths.sh "$out/paths"
-[ "$FRESH" = 0 ] && [ -e "$out/sand-0$PACKINGS.data" ] ||
+[ "$FRESH" = 0 ] && [ -e "$out/sand-$(printf %03d "$PACKINGS").data" ] ||
   "$out/granhom" pack scenes/friction/sand.yaml --ensemble "$PACKINGS" -o "$out/sand.data" >"$out/sand.log"
 
 # The block with friction under three conditions, and without friction for comparison.
@@ -77,9 +77,14 @@ jobs() {
 GH_ENGINE=$ENGINE "$out/test_friction" >"$out/test_friction.txt" 2>&1 || echo "test_friction failed: see $out/test_friction.txt" >&2
 python=/usr/bin/python3
 verdict=0
-"$python" scripts/friction_study.py "$out" docs || verdict=$?
-for picture in uniaxial shear cyclic block; do
-  gnuplot -e "out='$out'; png='docs/figures/friction-$picture.png'" "scripts/friction-$picture.gp"
+"$python" -B scripts/friction_study.py "$out" docs || verdict=$?
+figures=docs/figures/friction
+for kind in uniaxial shear; do
+  gnuplot -e "out='$out'; png='$figures-$kind.png'; kind='$kind'; left='taylor 1'; right='taylor 2'" scripts/friction-curves.gp
+  gnuplot -e "out='$out'; png='$figures-$kind-relaxed.png'; kind='$kind'; left='restricted 1'; right='periodic 1'" scripts/friction-curves.gp
 done
+gnuplot -e "out='$out'; png='$figures-cyclic.png'; conditions='taylor'" scripts/friction-cyclic.gp
+gnuplot -e "out='$out'; png='$figures-cyclic-relaxed.png'; conditions='restricted periodic'" scripts/friction-cyclic.gp
+gnuplot -e "out='$out'; png='$figures-block.png'" scripts/friction-block.gp
 echo "docs/friction.md, docs/verification.md and docs/figures/friction-*.png are up to date"
 exit $verdict
