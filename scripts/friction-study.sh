@@ -37,6 +37,8 @@ cat >"$out/one.sh" <<'E2'
 cd "$1" || exit 1
 [ "$FRESH" = 0 ] && [ -e "$2.status" ] && exit 0
 code=0
+# programs that begin and end at the same time would take away each other's directory of Open MPI
+TMPDIR=$(mktemp -d) && export TMPDIR
 case $2 in
 block_*) ./granhom run "${2#block_}.yaml" -o "$2" --engine "$ENGINE" >"$2.log" 2>&1 || code=$? ;;
 *)
@@ -48,6 +50,7 @@ E3
     --friction-angle "$angle" --hardening "$hardening" -o "$2.csv" >"$2.log" 2>&1 || code=$?
   ;;
 esac
+rm -rf "$TMPDIR"
 echo $code >"$2.status"
 echo "$2: $(tail -n 1 "$2.log") (exit status $code)"
 E2
