@@ -58,7 +58,8 @@ typedef struct gh_rve_measures {
 /* Where the time of an RVE went since it was made, seconds and counts. */
 typedef struct gh_rve_cost {
   double set, relax, contacts, factorise,
-      total; /* cell and neighbours; relaxation; contact lists; stiffness and tangent */
+      total;      /* cell and neighbours; relaxation; contact lists; stiffness and tangent */
+  double history; /* keeping the history of the contacts: part of `set` and of the rest */
   long evaluations, steps, factorisations, analyses;
 } gh_rve_cost;
 
