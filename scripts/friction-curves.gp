@@ -5,7 +5,7 @@ set output png
 set grid lc rgb "#dddddd" lw 1
 set border 3 lw 1.2
 set tics nomirror out
-set bars 0.5
+bar = "heads size graph 0.006,90"
 array color[4] = ["#444444", "#1f6fb4", "#2a8f4f", "#d9822b"]
 cases = left . " " . right
 condition(c) = word(cases, 2 * c - 1)
@@ -26,8 +26,8 @@ do for [c=1:2] {
   set ylabel "-{/Symbol s}_{11}/E_n (solid), -{/Symbol s}_{22}/E_n (dashed)" offset 1.2,0
   plot for [a=1:4] file(c, a) using 1:2 with lines lw 2 lc rgb color[a] title (c == 1 ? sprintf("%d degrees", 10 * (a - 1)) : ""), \
     for [a=1:4] file(c, a) using 1:4 with lines lw 2 dt (6,3) lc rgb color[a] notitle, \
-    for [a=1:4] file(c, a) every far(c)::((a - 1) * far(c) / 4 + far(c) / 2) using 1:2:3 with yerrorbars pt 0 lw 1 lc rgb color[a] notitle, \
-    for [a=1:4] file(c, a) every far(c)::((a - 1) * far(c) / 4 + far(c) / 2) using 1:4:5 with yerrorbars pt 0 lw 1 lc rgb color[a] notitle
+    for [a=1:4] file(c, a) every far(c)::((a - 1) * far(c) / 4 + far(c) / 2) using 1:($2 - $3):(0):(2 * $3) with vectors @bar lw 1.2 lc rgb color[a] notitle, \
+    for [a=1:4] file(c, a) every far(c)::((a - 1) * far(c) / 4 + far(c) / 2) using 1:($4 - $5):(0):(2 * $5) with vectors @bar lw 1.2 lc rgb color[a] notitle
 }
 unset key
 do for [c=1:2] {
@@ -35,6 +35,6 @@ do for [c=1:2] {
   set xlabel strain(c) offset 0,0.4
   set ylabel "{/Symbol s}_{12}/E_n" offset 1.2,0
   plot for [a=1:4] file(c, a) using 1:6 with lines lw 2 lc rgb color[a] notitle, \
-    for [a=1:4] file(c, a) every far(c)::((a - 1) * far(c) / 4 + far(c) / 2) using 1:6:7 with yerrorbars pt 0 lw 1 lc rgb color[a] notitle
+    for [a=1:4] file(c, a) every far(c)::((a - 1) * far(c) / 4 + far(c) / 2) using 1:($6 - $7):(0):(2 * $7) with vectors @bar lw 1.2 lc rgb color[a] notitle
 }
 unset multiplot

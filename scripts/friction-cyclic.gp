@@ -7,7 +7,7 @@ set output png
 set grid lc rgb "#dddddd" lw 1
 set border 3 lw 1.2
 set tics nomirror out
-set bars 0.5
+bar = "heads size graph 0.006,90"
 array color[2] = ["#1f6fb4", "#d9822b"]
 name(r) = word(conditions, r) eq "taylor" ? "Taylor" : word(conditions, r) eq "restricted" ? "Restricted Taylor" : "Periodic"
 file(r, h) = sprintf("%s/curve_cyclic_%s_1_30_%d.txt", out, word(conditions, r), h == 1 ? 0 : 1000)
@@ -19,7 +19,7 @@ do for [r=1:rows] {
     set xlabel "F_{12}" offset 0,0.4
     if (s == 3) { set key top left reverse Left samplen 2 } else { unset key }
     plot for [h=1:2] file(r, h) using 1:(column(2 * s)) with lines lw 2 lc rgb color[h] title (h == 1 ? "h = 0" : "h = E_n"), \
-      for [h=1:2] file(r, h) every 100::(h == 1 ? 50 : 100) using 1:(column(2 * s)):(column(2 * s + 1)) with yerrorbars pt 0 lw 1 lc rgb color[h] notitle
+      for [h=1:2] file(r, h) every 100::(h == 1 ? 50 : 100) using 1:(column(2 * s) - column(2 * s + 1)):(0):(2 * column(2 * s + 1)) with vectors @bar lw 1.2 lc rgb color[h] notitle
   }
 }
 unset multiplot

@@ -94,6 +94,15 @@ class Set:
                 f.write(" ".join(f"{v:.9g}" for v in numbers) + "\n")
 
 
+def share_packings(sets):
+    """Means of different angles, or of hardening, are to be compared: of the packings that came to the end of all of them."""
+    for key in {k[:3] for k in sets}:
+        chosen = [s for k, s in sets.items() if k[:3] == key and s.paths]
+        common = set.intersection(*({p.packing for p in s.whole} for s in chosen)) if chosen else set()
+        for s in chosen:
+            s.whole = [p for p in s.whole if p.packing in common]
+
+
 def line(x, y):
     """Least squares: slope and R^2."""
     mx, my = mean(x), mean(y)
@@ -288,6 +297,7 @@ def main():
                     sets[kind, boundary, axis, angle, 0] = Set(out, kind, boundary, axis, angle, 0)
         for hardening in (0, 1000):
             sets["cyclic", boundary, 1, 30, hardening] = Set(out, "cyclic", boundary, 1, 30, hardening)
+    share_packings(sets)
     for (kind, boundary, axis, angle, hardening), s in sets.items():
         if s.whole:
             s.write(f"{out}/curve_{kind}_{boundary}_{axis}_{angle}_{hardening}.txt")
