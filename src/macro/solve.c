@@ -368,16 +368,22 @@ static gh_status solve_umfpack(gh_system *s) {
   return code == UMFPACK_OK ? GH_OK : umfpack_failure(s, code);
 }
 
-static void take(gh_system *s, const double *b) {
+static double value_of(const gh_system *s, int k, bool symmetric) {
+  return symmetric ? 0.5 * (s->value[k] + s->value[s->mirror[k]]) : s->value[k];
+}
+
+/* The free part and its right-hand side. `symmetric`: of the symmetric part, which a way down needs; what
+ * friction adds against it is left out there. */
+static void take(gh_system *s, const double *b, bool symmetric) {
   for (int k = 0; k < s->free_start[s->nfree]; k++)
-    s->free_value[k] = s->source[k] < 0 ? 0 : s->value[s->source[k]];
+    s->free_value[k] = s->source[k] < 0 ? 0 : value_of(s, s->source[k], symmetric);
   for (int k = 0; k < s->nshares; k++) {
     const share *part = s->shares + k;
     double factor = (part->turn_row < 0 ? 1 : s->turn[part->turn_row]) *
                     (part->turn_col < 0 ? 1 : s->turn[part->turn_col]);
-    s->free_value[part->target] += factor * s->value[part->source];
+    s->free_value[part->target] += factor * value_of(s, part->source, symmetric);
   }
-  for (int k = 0; k < s->nbodies; k++) { /* the last row of the column of a turn that lies on the diagonal */
+  for (int k = 0; k < s->nbodies; k++) {
     int c = s->nfree - 3 * (s->nbodies - k) + 2, at = s->free_start[c];
     while (s->free_row[at] != c) at++;
     s->free_value[at] += s->spring[k];
@@ -391,18 +397,11 @@ static void shift_diagonal(gh_system *s, double shift) {
       if (s->free_row[k] == c) s->free_value[k] += shift;
 }
 
-/* A way down needs a symmetric matrix: what friction adds against it is left out here. */
-static void symmetrise(gh_system *s) {
-  for (int k = 0; k < s->free_start[s->nfree]; k++)
-    s->free_value[k] = 0.5 * (s->value[s->source[k]] + s->value[s->mirror[s->source[k]]]);
-}
-
 gh_status gh_system_descend(gh_system *s, const double *b, double *x) {
   enum { SHIFTS = 40 };
   if (s->nfree == 0) return GH_OK;
   double added = 0, shift = 0, first = 1e-3 * gh_system_diagonal(s) / sqrt((double)s->ndof);
-  take(s, b);
-  symmetrise(s);
+  take(s, b, true);
   s->method = 'c';
   for (int k = 0; k < SHIFTS; k++) {
     shift_diagonal(s, shift - added);
@@ -418,7 +417,7 @@ gh_status gh_system_descend(gh_system *s, const double *b, double *x) {
 
 gh_status gh_system_solve(gh_system *s, const double *b, double *x) {
   if (s->nfree == 0) return GH_OK;
-  take(s, b);
+  take(s, b, false);
   gh_status status = GH_DIVERGED;
   if (is_symmetric(s)) {
     s->method = 'c';
