@@ -360,12 +360,8 @@ static gh_status check_supports(gh_scene *s, int line, const char *name) {
   return GH_OK;
 }
 
-static gh_status check_footing(gh_scene *s, int set, const char *name, gh_loads *loads) {
-  const scene_standing *f = s->present.footing + set;
+static gh_status check_footing_free(gh_scene *s, int set, const char *name) {
   const gh_mesh_set *m = s->mesh->sets + set;
-  const double nothing[2] = {0, 0};
-  gh_status status = gh_loads_footing(loads, set, f->at, nothing);
-  if (status != GH_OK) return gh_prefix(s->ctx, status, "%s:%d: ", s->path, f->line);
   for (int n = 0; n < 2 * m->nnodes; n++) {
     int node = m->nodes[n / 2];
     if (s->present.held[2 * node + n % 2])
@@ -373,17 +369,24 @@ static gh_status check_footing(gh_scene *s, int set, const char *name, gh_loads 
           s->ctx, GH_INPUT,
           "%s:%d: the footing on '%s' cannot move its node at (%g, %g): a support or a displacement "
           "holds it in %c in step '%s'",
-          s->path, f->line, m->name, s->mesh->X[2 * node], s->mesh->X[2 * node + 1], "xy"[n % 2], name);
+          s->path, s->present.footing[set].line, m->name, s->mesh->X[2 * node], s->mesh->X[2 * node + 1],
+          "xy"[n % 2], name);
   }
   return GH_OK;
 }
 
 /* Straight edges, none shared, no node held. */
 static gh_status check_footings(gh_scene *s, const char *name) {
+  static const double nothing[2] = {0, 0};
   gh_loads *loads = NULL;
   gh_status status = gh_loads_create(s->ctx, s->mesh, &loads);
+  for (int set = 0; set < s->nsets && status == GH_OK; set++) {
+    const scene_standing *f = s->present.footing + set;
+    if (f->stands) status = gh_loads_footing(loads, set, f->at, nothing);
+    if (status != GH_OK) gh_prefix(s->ctx, status, "%s:%d: ", s->path, f->line);
+  }
   for (int set = 0; set < s->nsets && status == GH_OK; set++)
-    if (s->present.footing[set].stands) status = check_footing(s, set, name, loads);
+    if (s->present.footing[set].stands) status = check_footing_free(s, set, name);
   gh_loads_destroy(&loads);
   return status;
 }
