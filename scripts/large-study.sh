@@ -16,7 +16,9 @@ out=$(cd "${2:-$build/large-study}" && pwd)
 runs=${RUNS:-biaxial_taylor biaxial_restricted slope_taylor biaxial_periodic}
 export OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1
 
-cp "$build/granhom" "$out/granhom" # the program may be rebuilt while this is running
+# the program may be rebuilt while this is running, and two of these may run at once
+cp "$build/granhom" "$out/granhom.$$"
+mv "$out/granhom.$$" "$out/granhom"
 
 scene_of() {
   case $1 in
