@@ -10,13 +10,14 @@ array color[3] = ["#1f6fb4", "#d9822b", "#2a8f4f"]
 names = "taylor restricted periodic"
 titles = "Taylor Restricted_Taylor Periodic"
 run(b) = sprintf("%s/biaxial_%s/history.csv", out, word(names, b))
-there(b) = int(system(sprintf("test -e %s && echo 1 || echo 0", run(b))))
+# compressed already, by a few increments?
+there(b) = int(system(sprintf("awk -F, '$1 > 12 {n = 1} END {print n + 0}' %s 2>/dev/null || echo 0", run(b))))
 title_of(b) = system("echo " . word(titles, b) . " | tr _ ' '")
 last = there(3) ? 3 : 2
 set output png
-set multiplot layout 1,2 margins 0.07,0.985,0.13,0.94 spacing 0.1,0.06
+set multiplot layout 1,2 margins 0.07,0.985,0.15,0.95 spacing 0.1,0.06
 set xlabel "displacement of the top (mm)"
-set xrange [0:3.5]
+set xrange [0:3.501]
 set ylabel "axial force (N)"
 set yrange [0:*]
 set key top left Left reverse samplen 2
@@ -31,7 +32,7 @@ set xrange [*:*]
 
 set output slope
 file = out . "/slope_taylor/history.csv"
-set multiplot layout 1,2 margins 0.085,0.985,0.13,0.94 spacing 0.11,0.06
+set multiplot layout 1,2 margins 0.085,0.985,0.15,0.95 spacing 0.11,0.06
 set xlabel "load (MN)"
 set ylabel "settlement of the footing since the weight acts (m)"
 base = real(system("awk -F, 'NR == 1 {for (k = 1; k <= NF; k++) c[$k] = k} NR == 3 {print $c[\"footing_uy_footing\"]}' " . file))
@@ -41,7 +42,7 @@ plot file using (column("step") < 1 ? NaN : -column("footing_fy_footing") / 1e6)
 unset multiplot
 
 # packings: the pictures of granhom plot side by side
-set terminal pngcairo size 1600,880
+set terminal pngcairo size 2000,1100
 set output rves
 set datafile separator
 unset border
