@@ -15,7 +15,8 @@
 #include <string.h>
 #include <unistd.h>
 
-/* Columns of the contacts' file: positions of both grains, ids and a flag, force on the first. */
+/* Columns of the contacts' file: positions of both grains, ids and a flag, force on the first (and the
+ * overlap, which the script itself uses). */
 enum { X1, Y1, Z1, X2, Y2, Z2, ID1, ID2, PERIODIC, FX, FY, FZ, COLUMNS };
 
 typedef struct liggghts {
@@ -76,8 +77,9 @@ static void print_setup(const liggghts *g, gh_text *s) {
       s, "pair_style gran model hooke/stiffness tangential history\npair_coeff * *\ntimestep %.17g\n", m->dt);
   gh_text_print(s, "fix move all %s\nfix plane all enforce2d\nfix drag all viscous %.17g\n",
                 m->rotate ? "nve/sphere" : "nve", m->viscous);
-  gh_text_print(s, "compute contact all pair/gran/local pos id force\ncompute overlap all pair/gran/local id "
-                   "delta\ncompute mean all reduce ave c_overlap[4]\n");
+  gh_text_print(
+      s,
+      "compute contact all pair/gran/local pos id force delta\ncompute mean all reduce ave c_contact[13]\n");
   gh_text_print(s,
                 "compute grain all property/atom tqz radius\n"
                 "variable force atom sqrt((fx+%.17g*vx)^2+(fy+%.17g*vy)^2)\n"
@@ -134,7 +136,7 @@ static void print_row(const liggghts *g, gh_text *s, int row) {
                 "next check\njump SELF relax%d\nprint \"granhom unrest %d ${rforce} ${rdrag} "
                 "${rmoment}\"\nquit\nlabel rest%d\nvariable check delete\n",
                 row, row, row);
-  gh_text_print(s, "dump rest all local 1000000000 %s/contacts.%d", g->folder, row);
+  gh_text_print(s, "dump rest all local 1 %s/contacts.%d", g->folder, row);
   for (int k = 1; k <= COLUMNS; k++) gh_text_print(s, " c_contact[%d]", k);
   gh_text_print(s, "\ndump_modify rest format \"");
   for (int k = 0; k < COLUMNS; k++) gh_text_print(s, "%%.17g ");
