@@ -44,26 +44,30 @@ static void print_engine(const cross_job *j, int e) {
   else printf(" %11.2e %6ld\n", worst, path_step(&j->path, row));
 }
 
-/* Differences of two neighbouring levels fall as (1/2)^order. */
-static void print_refinement(const cross_job *j) {
+/* Of engine e on level k: its difference to the reference with the same parts or, with `change`, to itself
+ * with half as many. NAN where there is none. */
+static double refined(const cross_job *j, int k, int e, bool change) {
   int row;
-  printf("\nEach increment cut into parts: difference to %s with the same parts, and its order\n%-6s",
-         title(j, 0), "parts");
-  for (int e = 1; e < j->engines; e++) printf(" %16s", word(j, e));
-  printf("   change of %s\n", word(j, 0));
-  for (int k = 0; k < j->levels; k++) {
-    const cross_level *level = j->level + k;
-    printf("%-6d", level->parts);
-    for (int e = 1; e < j->engines; e++) {
-      double d = cross_worst(j, level, e, level, 0, &row),
-             b = k ? cross_worst(j, level - 1, e, level - 1, 0, &row) : NAN;
-      if (isnan(d)) printf(" %16s", "-");
-      else if (d > 0 && b > 0) printf("  %9.2e %5.2f", d, log2(b / d));
-      else printf("  %9.2e %5s", d, "");
+  const cross_level *level = j->level + k;
+  if (!change) return cross_worst(j, level, e, level, 0, &row);
+  return k > 0 ? cross_worst(j, level, e, level - 1, e, &row) : NAN;
+}
+
+/* A line per level; from line to line the values fall as (1/2)^order. */
+static void print_refinement(const cross_job *j, bool change) {
+  printf("%-6s", "parts");
+  for (int e = change ? 0 : 1; e < j->engines; e++) printf(" %10s order", word(j, e));
+  printf("\n");
+  for (int k = change; k < j->levels; k++) {
+    printf("%-6d", j->level[k].parts);
+    for (int e = change ? 0 : 1; e < j->engines; e++) {
+      double d = refined(j, k, e, change), before = k ? refined(j, k - 1, e, change) : NAN;
+      if (isnan(d)) printf(" %10s", "-");
+      else printf(" %10.2e", d);
+      if (d > 0 && before > 0) printf(" %5.2f", log2(before / d));
+      else printf(" %5s", "");
     }
-    double change = k ? cross_worst(j, level, 0, level - 1, 0, &row) : NAN;
-    if (isnan(change)) printf("   -\n");
-    else printf("   %.2e\n", change);
+    printf("\n");
   }
 }
 
@@ -73,7 +77,12 @@ void cross_print(const cross_job *j) {
   for (int e = 0; e < j->engines; e++) print_engine(j, e);
   printf("difference: of any component of the Cauchy stress, over the largest of %s on the path, %.6g\n",
          title(j, 0), cross_scale(j, j->level, 0));
-  if (j->levels > 1) print_refinement(j);
+  if (j->levels > 1) {
+    printf("\nEach increment cut into parts: largest difference to %s with the same parts\n", title(j, 0));
+    print_refinement(j, false);
+    printf("\nChange of each from half as many parts\n");
+    print_refinement(j, true);
+  }
   for (int k = 0; k < j->levels; k++)
     for (int e = 0; e < j->engines; e++) {
       const gh_peer_result *r = &j->level[k].trace[e].result;
@@ -139,7 +148,6 @@ static gh_status write_stresses(const cross_job *j) {
 /* Per level: the difference to the reference, and the change of each engine from the level before. */
 static gh_status write_refinement(const cross_job *j) {
   gh_text *t;
-  int row;
   GH_TRY(gh_text_create(j->ctx, &t));
   gh_text_print(t, "parts");
   for (int e = 0; e < j->engines; e++)
@@ -149,8 +157,8 @@ static gh_status write_refinement(const cross_job *j) {
     gh_text_print(t, "\n%d", level->parts);
     for (int e = 0; e < j->engines; e++) {
       const gh_peer_result *r = &level->trace[e].result;
-      field(t, 6, cross_worst(j, level, e, level, 0, &row));
-      field(t, 6, k ? cross_worst(j, level, e, level - 1, e, &row) : NAN);
+      field(t, 6, refined(j, k, e, false));
+      field(t, 6, refined(j, k, e, true));
       field(t, 6, r->rows ? r->seconds : NAN);
     }
   }

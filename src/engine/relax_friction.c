@@ -13,12 +13,16 @@ enum { BOUND_EVERY = 32 }; /* steps between two bounds of the largest eigenvalue
 /* Least damping, over 1/dt (relax.c). */
 static const double LEAST_DAMPING = 1e-2;
 
-/* What a pair exerts: force on grain i, couple, overlap. */
-enum { PER_PAIR = 4, PER_BLOCK = 6 };
+/* Numbers of each pair: what it is and remembers, one array for each, so that loops over pairs vectorise; and
+ * what it exerts: force on grain i, couple, overlap. */
+enum { SHIFT_X, SHIFT_Y, REACH, LN_X, LN_Y, GAMMA, GAMMA_PL, ALPHA, GIVEN };
+enum { FORCE_X, FORCE_Y, COUPLE, OVERLAP, EXERTED };
+enum { PER_BLOCK = 6 };
 
 /* The parts of the work space. */
 typedef struct parts {
-  double *pair;   /* PER_PAIR npairs */
+  double *given;  /* GIVEN x npairs */
+  double *pair;   /* EXERTED x npairs */
   double *rolled; /* n: r (theta - theta_n) */
   double *couple; /* n: sum of the couples, -m/r */
   double *old_f;  /* 2 n: forces of the last step */
@@ -27,13 +31,14 @@ typedef struct parts {
 } parts;
 
 size_t gh_relax_friction_work(int n, int npairs) {
-  return PER_PAIR * (size_t)npairs + (5 + PER_BLOCK) * (size_t)n;
+  return (GIVEN + EXERTED) * (size_t)npairs + (5 + PER_BLOCK) * (size_t)n;
 }
 
 static parts divide(const gh_relax_friction *s) {
-  const size_t n = (size_t)s->grains.n;
-  parts w = {.pair = s->grains.work};
-  w.rolled = w.pair + PER_PAIR * (size_t)s->grains.npairs;
+  const size_t n = (size_t)s->grains.n, npairs = (size_t)s->grains.npairs;
+  parts w = {.given = s->grains.work};
+  w.pair = w.given + GIVEN * npairs;
+  w.rolled = w.pair + EXERTED * npairs;
   w.couple = w.rolled + n;
   w.old_f = w.couple + n;
   w.old_c = w.old_f + 2 * n;
@@ -45,66 +50,81 @@ static double is_free(const gh_relax_friction *s, int i) {
   return s->grains.held && s->grains.held[i] ? 0 : 1;
 }
 
+/* Lays the pairs and their memory out in the work space. */
+static void lay_out(const gh_relax_friction *s, const parts *w) {
+  const size_t n = (size_t)s->grains.npairs;
+  for (size_t p = 0; p < n; p++) {
+    const gh_pair *q = &s->grains.pairs[p];
+    const gh_pair_memory *m = &s->memory[p];
+    const double all[GIVEN] = {q->shift[0], q->shift[1], q->reach,    m->ln[0],
+                               m->ln[1],    m->gamma,    m->gamma_pl, m->alpha};
+    for (size_t k = 0; k < GIVEN; k++) w->given[k * n + p] = all[k];
+  }
+}
+
 /* Forces, couples and overlaps of all pairs, without branches so that it vectorises; inlined for one measure
  * of slip at a time. A grain's own image exerts no net force. */
-static inline void pair_forces(const gh_pair *restrict pairs, const gh_pair_memory *restrict memory,
-                               int npairs, const gh_contact_law law, const double *restrict x,
+static inline void pair_forces(const gh_pair *restrict pairs, size_t n, const gh_contact_law law,
+                               const double *restrict given, const double *restrict x,
                                const double *restrict rolled, double *restrict out) {
-  for (int p = 0; p < npairs; p++) {
+  for (size_t p = 0; p < n; p++) {
     const int i = pairs[p].i, j = pairs[p].j;
-    gh_coulomb_step s;
-    s.l[0] = x[2 * j] - x[2 * i] + pairs[p].shift[0];
-    s.l[1] = x[2 * j + 1] - x[2 * i + 1] + pairs[p].shift[1];
-    s.d = sqrt(s.l[0] * s.l[0] + s.l[1] * s.l[1]);
-    s.reach = pairs[p].reach;
-    s.ln[0] = memory[p].ln[0], s.ln[1] = memory[p].ln[1];
-    s.q = rolled[i] + rolled[j];
-    s.gamma = memory[p].gamma, s.gamma_pl = memory[p].gamma_pl, s.alpha = memory[p].alpha;
+    const double l[2] = {x[2 * j] - x[2 * i] + given[SHIFT_X * n + p],
+                         x[2 * j + 1] - x[2 * i + 1] + given[SHIFT_Y * n + p]};
+    const gh_coulomb_step s = {.l = {l[0], l[1]},
+                               .d = sqrt(l[0] * l[0] + l[1] * l[1]),
+                               .reach = given[REACH * n + p],
+                               .ln = {given[LN_X * n + p], given[LN_Y * n + p]},
+                               .q = rolled[i] + rolled[j],
+                               .gamma = given[GAMMA * n + p],
+                               .gamma_pl = given[GAMMA_PL * n + p],
+                               .alpha = given[ALPHA * n + p]};
     gh_coulomb_result r;
     gh_coulomb_evaluate(&law, &s, &r);
-    const int touch = s.reach - s.d >= 0, net = touch & (i != j);
-    out[PER_PAIR * p] = net ? r.f[0] : 0;
-    out[PER_PAIR * p + 1] = net ? r.f[1] : 0;
-    out[PER_PAIR * p + 2] = touch ? r.couple : 0;
-    out[PER_PAIR * p + 3] = touch ? s.reach - s.d : -1;
+    const double e = s.reach - s.d, touch = e >= 0 ? 1 : 0, net = i != j ? touch : 0;
+    out[FORCE_X * n + p] = net * r.f[0];
+    out[FORCE_Y * n + p] = net * r.f[1];
+    out[COUPLE * n + p] = touch * r.couple;
+    out[OVERLAP * n + p] = e;
   }
 }
 
 static void projected_forces(const gh_relax_friction *s, const parts *w) {
   gh_contact_law law = *s->law;
   law.slip = GH_SLIP_PROJECTED;
-  pair_forces(s->grains.pairs, s->memory, s->grains.npairs, law, s->grains.x, w->rolled, w->pair);
+  pair_forces(s->grains.pairs, (size_t)s->grains.npairs, law, w->given, s->grains.x, w->rolled, w->pair);
 }
 
 static void objective_forces(const gh_relax_friction *s, const parts *w) {
   gh_contact_law law = *s->law;
   law.slip = GH_SLIP_OBJECTIVE;
-  pair_forces(s->grains.pairs, s->memory, s->grains.npairs, law, s->grains.x, w->rolled, w->pair);
+  pair_forces(s->grains.pairs, (size_t)s->grains.npairs, law, w->given, s->grains.x, w->rolled, w->pair);
 }
 
 /* Adds forces and couples of the pairs to the grains; returns the mean overlap. Pairs are sorted by i: that
  * side is summed in registers. */
-static double gather(const gh_relax_friction *s, const double *restrict pf, double *restrict couple) {
+static double gather(const gh_relax_friction *s, const double *restrict pair, double *restrict couple) {
   const gh_relax_state *g = &s->grains;
+  const size_t n = (size_t)g->npairs;
   double *restrict f = g->f, overlap = 0;
   int contacts = 0;
   memset(f, 0, 2 * (size_t)g->n * sizeof *f);
   memset(couple, 0, (size_t)g->n * sizeof *couple);
-  for (int p = 0; p < g->npairs;) {
+  for (size_t p = 0; p < n;) {
     const int i = g->pairs[p].i;
     double fx = 0, fy = 0, m = 0, sum = 0;
-    for (; p < g->npairs && g->pairs[p].i == i; p++) {
+    for (; p < n && g->pairs[p].i == i; p++) {
       const int j = g->pairs[p].j;
-      const double *q = pf + PER_PAIR * p;
-      const int touch = q[3] >= 0;
-      fx += q[0];
-      fy += q[1];
-      m += q[2];
-      sum += touch ? q[3] : 0;
-      contacts += touch;
-      f[2 * j] -= q[0];
-      f[2 * j + 1] -= q[1];
-      couple[j] += q[2];
+      const double px = pair[FORCE_X * n + p], py = pair[FORCE_Y * n + p], pm = pair[COUPLE * n + p],
+                   e = pair[OVERLAP * n + p];
+      fx += px;
+      fy += py;
+      m += pm;
+      sum += e >= 0 ? e : 0;
+      contacts += e >= 0;
+      f[2 * j] -= px;
+      f[2 * j + 1] -= py;
+      couple[j] += pm;
     }
     f[2 * i] += fx;
     f[2 * i + 1] += fy;
@@ -115,24 +135,29 @@ static double gather(const gh_relax_friction *s, const double *restrict pf, doub
 }
 
 /* The moment over the radius is the sum of the couples: m = -r sum M. */
-double gh_relax_friction_forces(gh_relax_friction *s, double *mean_force) {
+static double forces(gh_relax_friction *s, const parts *w, double *mean_force) {
   const gh_relax_state *g = &s->grains;
-  const parts w = divide(s);
   const bool turns = !s->law->fixed_rotations;
-  for (int i = 0; i < g->n; i++) w.rolled[i] = turns ? s->radius[i] * (s->theta[i] - s->theta_n[i]) : 0;
-  if (s->law->slip == GH_SLIP_OBJECTIVE) objective_forces(s, &w);
-  else projected_forces(s, &w);
-  *mean_force = s->law->normal_stiffness * gather(s, w.pair, w.couple);
+  for (int i = 0; i < g->n; i++) w->rolled[i] = turns ? s->radius[i] * (s->theta[i] - s->theta_n[i]) : 0;
+  if (s->law->slip == GH_SLIP_OBJECTIVE) objective_forces(s, w);
+  else projected_forces(s, w);
+  *mean_force = s->law->normal_stiffness * gather(s, w->pair, w->couple);
   double largest = 0, all = 0;
   for (int i = 0; i < g->n; i++) {
     const double f2 = g->f[2 * i] * g->f[2 * i] + g->f[2 * i + 1] * g->f[2 * i + 1],
-                 c2 = turns ? w.couple[i] * w.couple[i] : 0, free2 = is_free(s, i) * f2,
+                 c2 = turns ? w->couple[i] * w->couple[i] : 0, free2 = is_free(s, i) * f2,
                  here = free2 > c2 ? free2 : c2;
-    if (turns) s->m[i] = -s->radius[i] * w.couple[i];
+    if (turns) s->m[i] = -s->radius[i] * w->couple[i];
     largest = here > largest ? here : largest;
     all += f2 + c2;
   }
   return isfinite(all) ? sqrt(largest) : NAN; /* a comparison with NaN would pass over it */
+}
+
+double gh_relax_friction_forces(gh_relax_friction *s, double *mean_force) {
+  const parts w = divide(s);
+  lay_out(s, &w);
+  return forces(s, &w, mean_force);
 }
 
 /* Stiffness of a contact along and across its branch vector that bounds the quadratic form of its derivative,
@@ -262,9 +287,10 @@ gh_relax_end gh_relax_friction_run(gh_relax_friction *s, double tolerance, doubl
   const size_t n = (size_t)g->n;
   double dt = 0;
   bool far = false, stale = true;
+  lay_out(s, &w);
   if (!g->started) start(s);
   for (long k = 0;; k++) {
-    const double largest = gh_relax_friction_forces(s, mean_force);
+    const double largest = forces(s, &w, mean_force);
     ++*steps;
     *residual = *mean_force > 0 ? largest / *mean_force : 0;
     if (!isfinite(largest)) return *residual = NAN, GH_RELAX_STEPS;

@@ -102,16 +102,16 @@ int gh_rattlers_loose(gh_rattlers *r, int n, const unsigned char *held, const gh
 /* ---- history of the contacts (Table 7.1) ---- */
 
 /* Sorted by (i, j, image[1], image[0]); contacts without history are left out. */
-typedef struct gh_history {
+typedef struct gh_slips {
   gh_slip *slips;
   int count;
   size_t capacity;
-} gh_history;
+} gh_slips;
 
 /* What the history becomes: that of the contacts, and the hardening of those that have opened (method 8.10).
  */
-gh_status gh_history_advance(gh_context *ctx, const gh_history *from, const gh_contact_list *list,
-                             bool hardening, gh_history *to);
+gh_status gh_slips_advance(gh_context *ctx, const gh_slips *from, const gh_contact_list *list, bool hardening,
+                           gh_slips *to);
 
 /* ---- the RVE ---- */
 
@@ -139,10 +139,10 @@ struct gh_rve {
   double *yn;
   double F[4], *y; /* trial state */
   bool trial;
-  double *thetan, *theta;            /* n: rotations of both states; NULL without friction */
-  gh_history history, trial_history; /* with friction */
-  double dissipatedn, dissipated;    /* by friction since the begin, of both states */
-  bool begun;                        /* the engine has the converged state */
+  double *thetan, *theta;          /* n: rotations of both states; NULL without friction */
+  gh_slips history, trial_history; /* with friction */
+  double dissipatedn, dissipated;  /* by friction since the begin, of both states */
+  bool begun;                      /* the engine has the converged state */
   double shift;     /* of the coupled stiffness in this evaluation: 0 until it has turned out singular */
   double *x, *step; /* n x 2 work: positions in space of the last evaluation, and of a Newton step */
   double *turn;     /* n work: rotations of a Newton step; NULL without friction */
