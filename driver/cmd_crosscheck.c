@@ -154,19 +154,25 @@ static int parse(int argc, char **argv, cross_job *j) {
 
 /* ---- the work ---- */
 
+static gh_status cut_path(cross_job *j) {
+  for (int k = 0; k < j->levels; k++) {
+    j->level[k].parts = 1 << k;
+    GH_TRY(cross_path_cut(j->ctx, &j->path, j->level[k].parts, &j->level[k].path));
+  }
+  return GH_OK;
+}
+
+/* What is there is written after each run: those to come may take long. */
 static gh_status run_levels(cross_job *j) {
   gh_work work;
   int done = 0;
   gh_work_begin(j->ctx, &work, "crosscheck", "runs", j->levels * j->engines);
-  for (int k = 0; k < j->levels; k++) {
-    cross_level *level = j->level + k;
-    level->parts = 1 << k;
-    GH_TRY(cross_path_cut(j->ctx, &j->path, level->parts, &level->path));
+  for (int k = 0; k < j->levels; k++)
     for (int e = 0; e < j->engines; e++) {
-      GH_TRY(cross_run(j, level, e));
+      GH_TRY(cross_run(j, j->level + k, e));
+      GH_TRY(cross_write(j));
       gh_work_advance(j->ctx, &work, ++done);
     }
-  }
   gh_work_end(j->ctx, &work, done);
   return GH_OK;
 }
@@ -187,9 +193,10 @@ static gh_status crosscheck(cross_job *j) {
   GH_TRY(gh_packing_read(j->ctx, j->packing_file, &j->packing));
   GH_TRY(path_read(j->ctx, j->path_file, &j->path));
   GH_TRY(cli_mpi(j->ctx, true));
-  GH_TRY(run_levels(j));
+  GH_TRY(cut_path(j));
+  GH_TRY(cross_check(j));
   GH_TRY(gh_folder_make(j->ctx, j->folder));
-  GH_TRY(cross_write(j));
+  GH_TRY(run_levels(j));
   cross_print(j);
   if (cross_draw(j) != GH_OK) gh_log(j->ctx, GH_LEVEL_WARNING, "no picture: %s", gh_message(j->ctx));
   return judge(j);

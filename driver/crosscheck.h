@@ -55,6 +55,8 @@ typedef struct cross_job {
   cross_level level[CROSS_MOST_LEVELS];
 } cross_job;
 
+/* GH_INPUT when the other programs cannot take this packing, path or law. */
+gh_status cross_check(cross_job *j);
 /* Runs engine number e of the job along the level's path. What becomes of it is told in the trace; an error
  * is returned when the input is wrong or the system refuses. */
 gh_status cross_run(cross_job *j, cross_level *level, int e);

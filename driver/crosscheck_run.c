@@ -74,23 +74,42 @@ static gh_status run_granhom(cross_job *j, cross_level *level, cross_trace *t) {
   return status;
 }
 
-static gh_status run_peer(cross_job *j, cross_level *level, cross_trace *t) {
+/* What the other programs are asked; x is freed by the caller. */
+static gh_status pose(const cross_job *j, const cross_level *level, gh_peer_problem *problem, double **x) {
   const gh_packing *p = j->packing;
+  GH_TRY(gh_alloc(j->ctx, 2 * (size_t)p->n, sizeof **x, x));
+  for (int i = 0; i < 2 * p->n; i++) (*x)[i] = p->x[i] - p->low[i % 2];
+  *problem = (gh_peer_problem){.n = p->n,
+                               .radius = p->radius,
+                               .x = *x,
+                               .law = j->rve.law,
+                               .rows = level->path.rows,
+                               .F = level->path.F,
+                               .tolerance = j->rve.tolerance,
+                               .max_steps = j->rve.max_steps,
+                               .steps_per_row = j->steps_per_row,
+                               .seconds = j->seconds,
+                               .program = j->liggghts};
+  memcpy(problem->cell, p->cell, sizeof problem->cell);
+  return GH_OK;
+}
+
+gh_status cross_check(cross_job *j) {
+  gh_peer_problem problem;
   double *x;
-  gh_peer_problem problem = {.n = p->n,
-                             .radius = p->radius,
-                             .law = j->rve.law,
-                             .rows = level->path.rows,
-                             .F = level->path.F,
-                             .tolerance = j->rve.tolerance,
-                             .max_steps = j->rve.max_steps,
-                             .steps_per_row = j->steps_per_row,
-                             .seconds = j->seconds,
-                             .program = j->liggghts};
-  memcpy(problem.cell, p->cell, sizeof problem.cell);
-  GH_TRY(gh_alloc(j->ctx, 2 * (size_t)p->n, sizeof *x, &x));
-  for (int i = 0; i < 2 * p->n; i++) x[i] = p->x[i] - p->low[i % 2];
-  problem.x = x;
+  bool peers = false;
+  for (int e = 0; e < j->engines; e++) peers = peers || cross_engines[j->engine[e]].peer;
+  if (!peers) return GH_OK;
+  GH_TRY(pose(j, &j->level[0], &problem, &x));
+  gh_status status = gh_peer_check(j->ctx, &problem);
+  free(x);
+  return status;
+}
+
+static gh_status run_peer(cross_job *j, cross_level *level, cross_trace *t) {
+  gh_peer_problem problem;
+  double *x;
+  GH_TRY(pose(j, level, &problem, &x));
   gh_status status = gh_peer_run(j->ctx, cross_engines[t->engine].kind, &problem, t->rows, &t->result);
   free(x);
   return status;

@@ -58,10 +58,13 @@ typedef struct gh_peer_result {
   double seconds;    /* of the clock, start of the program included */
 } gh_peer_result;
 
-/* Runs the path. What becomes of the peer is told in the result; an error is returned only when the problem
- * itself is wrong. GH_INPUT: values out of range, hardening, which the peers' laws do not have, det F <= 0, a
- * cell that is sheared by more than half its width or narrower than four of the largest radii. GH_SYSTEM: no
- * folder for temporary files. row: problem->rows of them; those past result->rows are not set. */
+/* GH_INPUT when a peer cannot take the problem: values out of range, hardening, which the peers' laws do not
+ * have, det F <= 0, a cell that is sheared by more than half its width or narrower than four of the largest
+ * radii. */
+gh_status gh_peer_check(gh_context *ctx, const gh_peer_problem *problem);
+/* Runs the path. What becomes of the peer is told in the result; an error is returned only for what
+ * gh_peer_check refuses, and GH_SYSTEM, GH_MEMORY: no folder for temporary files, no memory. row:
+ * problem->rows of them; those past result->rows are not set. */
 gh_status gh_peer_run(gh_context *ctx, gh_peer_kind kind, const gh_peer_problem *problem, gh_peer_row *row,
                       gh_peer_result *result);
 

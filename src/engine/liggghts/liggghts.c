@@ -9,8 +9,8 @@
 
 #include "granhom/io.h"
 
-#include <dirent.h>
 #include <errno.h>
+#include <ftw.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
@@ -89,7 +89,8 @@ static void print_setup(const liggghts *g, gh_text *s) {
                 m->viscous, m->viscous, m->viscous);
   static const char *const words[] = {"force", "drag", "moment"};
   for (int k = 0; k < 3; k++)
-    gh_text_print(s, "variable r%s equal c_largest[%d]/(%.17g*c_mean)\n", words[k], k + 1, m->kn);
+    gh_text_print(s, "variable r%s equal c_largest[%d]/(%.17g*c_mean+%.17g)\n", words[k], k + 1, m->kn,
+                  m->floor);
   gh_text_print(s,
                 "variable now equal step\nthermo_style custom step v_rforce v_rdrag v_rmoment\nthermo "
                 "%ld\nrun 0 post no\n",
@@ -261,7 +262,7 @@ static gh_status run(const liggghts *g, gh_peer_row *row, gh_peer_result *result
   snprintf(output, sizeof output, "%s/output", g->folder);
   char in[] = "-in", log[] = "-log", none[] = "none";
   char *const argv[] = {g->program, in, script, log, none, NULL};
-  GH_TRY(child_run(g->ctx, argv, output, g->p->seconds, &end, &code));
+  GH_TRY(child_run(g->ctx, argv, output, g->folder, g->p->seconds, &end, &code));
   GH_TRY(read_output(g, output, row, &t));
   for (; result->rows < t.rows; result->rows++) GH_TRY(read_contacts(g, result->rows, row + result->rows));
   tell_end(g, end, code, &t, result);
@@ -288,15 +289,14 @@ static gh_status make_folder(liggghts *g) {
   return gh_fail(g->ctx, GH_SYSTEM, "%s: no folder for temporary files: %s", g->folder, strerror(errno));
 }
 
+static int remove_one(const char *path, const struct stat *what, int type, struct FTW *place) {
+  (void)what, (void)type, (void)place;
+  return remove(path), 0;
+}
+
+/* With what a program that was killed has left in it. */
 static void remove_folder(const liggghts *g) {
-  DIR *folder = opendir(g->folder);
-  for (struct dirent *e; folder && (e = readdir(folder));) {
-    char path[sizeof g->folder + sizeof e->d_name + 1];
-    snprintf(path, sizeof path, "%s/%s", g->folder, e->d_name);
-    if (e->d_name[0] != '.') unlink(path);
-  }
-  if (folder) closedir(folder);
-  rmdir(g->folder);
+  nftw(g->folder, remove_one, 8, FTW_DEPTH | FTW_PHYS);
 }
 
 gh_status peer_liggghts(gh_context *ctx, const gh_peer_problem *p, gh_peer_row *row, gh_peer_result *result) {

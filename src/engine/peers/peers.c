@@ -10,6 +10,7 @@
 /* Damping over sqrt(stiffness mass), and the time step over 1/sqrt(10 E_n + 6 E_t), the reciprocal of the
  * highest frequency that dense packings reach: docs/crosscheck.md. */
 static const double VISCOUS = 0.2, CONTACT = 0.3, TIME_STEP = 1.0;
+static const double FLOOR = 1e-9; /* over stiffness and mean radius */
 enum { STEPS_A_CHECK = 50 };
 
 const char *gh_peer_end_text(gh_peer_end end) {
@@ -42,6 +43,7 @@ peer_motion peer_motion_of(const gh_peer_problem *p) {
                        .viscous = VISCOUS * sqrt(kn),
                        .contact = CONTACT * sqrt(kn),
                        .skin = 0.3 * mean,
+                       .floor = FLOOR * kn * mean,
                        .kn = kn,
                        .kt = kt,
                        .mu = law->friction ? law->friction_coefficient : 0,
@@ -87,7 +89,7 @@ static gh_status check_cells(gh_context *ctx, const gh_peer_problem *p) {
   return GH_OK;
 }
 
-static gh_status check(gh_context *ctx, const gh_peer_problem *p) {
+gh_status gh_peer_check(gh_context *ctx, const gh_peer_problem *p) {
   GH_TRY(gh_contact_law_check(ctx, &p->law));
   if (p->law.friction && p->law.hardening > 0)
     return gh_fail(ctx, GH_INPUT,
@@ -105,7 +107,7 @@ static gh_status check(gh_context *ctx, const gh_peer_problem *p) {
 gh_status gh_peer_run(gh_context *ctx, gh_peer_kind kind, const gh_peer_problem *problem, gh_peer_row *row,
                       gh_peer_result *result) {
   *result = (gh_peer_result){0};
-  GH_TRY(check(ctx, problem));
+  GH_TRY(gh_peer_check(ctx, problem));
   double start = gh_seconds();
   gh_status status = kind == GH_PEER_LAMMPS ? peer_lammps(ctx, problem, row, result)
                                             : peer_liggghts(ctx, problem, row, result);

@@ -18,6 +18,7 @@ typedef struct peer_motion {
   double viscous; /* drag force over velocity of each grain (fix viscous) */
   double contact; /* damping of relative motion in contacts, over the mass of the pair (gamma_n, gamma_t) */
   double skin;    /* of neighbour lists */
+  double floor;   /* added to the mean force in the residual: grains without contacts come to rest too */
   double kn, kt, mu;  /* kt > 0 also without friction, where mu = 0 */
   bool rotate;        /* moments turn grains */
   long steps_a_check; /* between two looks at the residual */
