@@ -53,6 +53,8 @@ std::size_t PairCoulomb::index(int i, int j) const {
 
 void PairCoulomb::settings(int narg, char **arg) {
   const std::string illegal = "Illegal pair_style granhom/coulomb command: ";
+  step = true;
+  fixed = objective = false;
   for (int k = 0; k < narg; k += 2) {
     const std::string word = arg[k];
     if (k + 1 >= narg) error->all(FLERR, illegal + "no value for " + word);
