@@ -71,7 +71,7 @@ void ComputeContact::init() {
 void ComputeContact::check_list(const PairNormal &p) {
   if (update->whichflag) return; /* within a run: the list, the ghosts and the forces belong together */
   int stale = !p.builds || (coulomb && !coulomb->history()->fresh()) ||
-              p.build_id.size() != (std::size_t)atom->nlocal ||
+              p.build_id.size() != (std::size_t)(atom->nlocal + atom->nghost) ||
               !std::equal(p.build_id.begin(), p.build_id.end(), atom->tag);
   double mine[2] = {(double)stale, 0}, all[2];
   if (!stale)

@@ -106,6 +106,7 @@ private:
   bool ghosts_known = false, new_ghosts = false;
   /* trial */
   bool trial = false;
+  bool moved = true; /* atoms have come, gone or changed places since forces were computed */
   double Ht[4];
   std::vector<double> xt, theta_t;
   std::vector<int> tfirst, tcount, owner;

@@ -131,7 +131,7 @@ void PairNormal::note_build() {
   builds++;
   const double *x = atom->nlocal ? atom->x[0] : nullptr;
   build_x.assign(x, x + 3 * (std::size_t)atom->nlocal);
-  build_id.assign(atom->tag, atom->tag + atom->nlocal);
+  build_id.assign(atom->tag, atom->tag + atom->nlocal + atom->nghost);
   cell_now(build_cell);
 }
 

@@ -44,7 +44,7 @@ public:
   /* State when the neighbour list was made, for those who must know whether it still holds. */
   long builds = 0;                         /* lists made so far */
   std::vector<double> build_x;             /* 3 per owned atom */
-  std::vector<LAMMPS_NS::tagint> build_id; /* per owned atom */
+  std::vector<LAMMPS_NS::tagint> build_id; /* per atom, ghosts too */
   double build_cell[6] = {};               /* xprd yprd zprd xy xz yz */
   void cell_now(double cell[6]) const;
 
