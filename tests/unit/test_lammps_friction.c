@@ -620,6 +620,43 @@ static void wrong_simulation(void **state) {
   }
 }
 
+/* A hybrid may have one of the two pair styles, not both: computes and the relaxation would see half the
+ * contacts. */
+static void hybrids(void **state) {
+  gh_context *ctx = *state;
+  static const char *const lines[] = {"dimension 2",
+                                      "atom_style sphere",
+                                      "newton off",
+                                      "region r block 0 9 0 8 -1 1",
+                                      "create_box 2 r",
+                                      "create_atoms 1 single 1 1 0",
+                                      "create_atoms 2 single 1.95 1 0",
+                                      "neighbor 0.3 bin",
+                                      NULL};
+  for (int both = 0; both < 2; both++) {
+    void *lmp;
+    OK(gh_lmp_open(ctx, &lmp));
+    commands(ctx, lmp, lines);
+    command(ctx, lmp,
+            both ? "pair_style hybrid granhom/coulomb granhom/normal"
+                 : "pair_style hybrid granhom/coulomb zero 2");
+    command(ctx, lmp, both ? "pair_coeff 1 1 granhom/normal 100" : "pair_coeff 1 1 zero");
+    command(ctx, lmp, both ? "pair_coeff 2 2 granhom/normal 100" : "pair_coeff 2 2 zero");
+    command(ctx, lmp, "pair_coeff 1 2 granhom/coulomb 100 80 0.3 0");
+    command(ctx, lmp, "fix h all viscous 0");
+    if (both) {
+      FAILS(gh_lmp_command(ctx, lmp, "compute s all granhom/stress\n"), GH_OK, "");
+      FAILS(gh_lmp_command(ctx, lmp, "run 0"), GH_ENGINE, "requires one of the pair styles");
+    } else {
+      command(ctx, lmp, "compute s all granhom/stress");
+      command(ctx, lmp, "run 0");
+      const double *stress = lammps_extract_compute(lmp, "s", 0, LMP_TYPE_VECTOR);
+      NEAR("stress", stress[0], -100 * 0.05 * 0.95 / 72, 1e-13);
+    }
+    gh_lmp_close(&lmp);
+  }
+}
+
 /* Restart files: with the same law they go on, with another law or style they are refused. */
 static void restarts(void **state) {
   gh_context *ctx = *state;
@@ -681,6 +718,7 @@ int main(void) {
                                      TEST(tangents),
                                      TEST(wrong_use),
                                      TEST(wrong_simulation),
+                                     TEST(hybrids),
                                      TEST(restarts)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -49,8 +49,8 @@ ComputeContact::~ComputeContact() {
 PairNormal *ComputeContact::pair() const {
   PairNormal *p = PairNormal::in_use(force);
   if (!p)
-    error->all(FLERR,
-               std::string("Compute ") + style + " requires pair style granhom/normal or granhom/coulomb");
+    error->all(FLERR, std::string("Compute ") + style +
+                          " requires one of the pair styles granhom/normal and granhom/coulomb");
   return p;
 }
 

@@ -29,7 +29,7 @@ public:
   void write_data_all(FILE *fp) override;
   double memory_usage() override;
 
-  /* The pair style of this simulation, normal or coulomb; null: it is another one. */
+  /* The pair style of this simulation, normal or coulomb; null: another one, or both in a hybrid. */
   static PairNormal *in_use(const LAMMPS_NS::Force *force);
   double stiffness(int itype, int jtype) const { return E[itype][jtype]; }
   /* True when all pairs of types have the stiffness that is written to *value. */
