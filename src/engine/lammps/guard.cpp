@@ -160,7 +160,8 @@ static gh_status check_instance(gh_context *ctx, void *lmp) {
                    OLDEST_VERSION);
   if (!lammps_has_style(lmp, "pair", "granhom/normal"))
     return gh_fail(ctx, GH_ENGINE,
-                   "LAMMPS does not see the styles of this program: it must be linked with -rdynamic");
+                   "LAMMPS does not see granhom's styles: liblammps.so comes before granhom in the search order "
+                   "of symbols. Link -lgranhom before -llammps; with libgranhom.a, link with -rdynamic");
   return GH_OK;
 }
 
