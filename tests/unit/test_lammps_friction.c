@@ -415,6 +415,27 @@ static void opening(void **state) {
   gh_lmp_close(&lmp);
 }
 
+/* `unfix` takes the history away: contacts begin anew with the next run, and nothing is listed before it. */
+static void history_taken_away(void **state) {
+  gh_context *ctx = *state;
+  void *lmp = two_disks(ctx, "increment manual", "100 80 0.3 20", (double[2]){1.48, 0});
+  int count;
+  double **rows;
+  command(ctx, lmp, "run 0 post no");
+  turn_second(ctx, lmp, 1.48, 0, 0.003);
+  command(ctx, lmp, "run 0 post no");
+  assert_true(fabs(row_of(ctx, lmp)[17]) > 0.1);
+  command(ctx, lmp, "unfix granhom_history");
+  command(ctx, lmp, "reset_timestep 1");
+  FAILS(gh_lmp_local(ctx, lmp, "c", &count, &rows), GH_ENGINE, "use run 0 first");
+  command(ctx, lmp, "run 0 post no");
+  NEAR("f_t", row_of(ctx, lmp)[17], 0, 1e-13);
+  command(ctx, lmp, "pair_style granhom/normal");
+  command(ctx, lmp, "pair_coeff * * 100");
+  FAILS(gh_lmp_command(ctx, lmp, "fix_modify granhom_history commit yes"), GH_ENGINE, "granhom_history");
+  gh_lmp_close(&lmp);
+}
+
 /* What single() says of a contact is what compute() did: LAMMPS's compute pair/local asks it. */
 static void single_contacts(void **state) {
   gh_context *ctx = *state;
@@ -713,6 +734,7 @@ int main(void) {
                                      TEST(increments_by_hand),
                                      TEST(increments_by_time_step),
                                      TEST(opening),
+                                     TEST(history_taken_away),
                                      TEST(single_contacts),
                                      TEST(flips),
                                      TEST(tangents),

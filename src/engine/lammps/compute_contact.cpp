@@ -70,7 +70,7 @@ void ComputeContact::init() {
  * holds every contact if no two atoms can have come nearer than the skin since it was made. */
 void ComputeContact::check_list(const PairNormal &p) {
   if (update->whichflag) return; /* within a run: the list, the ghosts and the forces belong together */
-  int stale = !p.builds || (coulomb && !coulomb->history()->fresh()) ||
+  int stale = !p.builds || (coulomb && !(coulomb->history() && coulomb->history()->fresh())) ||
               p.build_id.size() != (std::size_t)(atom->nlocal + atom->nghost) ||
               !std::equal(p.build_id.begin(), p.build_id.end(), atom->tag);
   double mine[2] = {(double)stale, 0}, all[2];

@@ -36,6 +36,7 @@ FixHistory::FixHistory(LAMMPS *l, int narg, char **arg) : Fix(l, narg, arg) {
 }
 
 FixHistory::~FixHistory() {
+  if (holder) *holder = nullptr;
   atom->delete_callback(id, Atom::GROW);
   atom->delete_callback(id, Atom::RESTART);
 }
@@ -267,7 +268,7 @@ int FixHistory::modify_param(int narg, char **arg) {
 
 void FixHistory::grow_arrays(int nmax) {
   const std::size_t n = nmax;
-  for (auto *a : {&xn}) a->resize(2 * n);
+  xn.resize(2 * n);
   for (auto *a : {&theta_n, &theta, &turn}) a->resize(n);
   for (auto *a : {&first, &count, &finger}) a->resize(n);
   steps.resize(2 * n);
