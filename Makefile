@@ -9,7 +9,7 @@ BUILD  ?= build
 PREFIX ?= /usr/local
 ARCH   ?= -march=native
 OPT    ?= -O3
-MODULES ?= base io contact packing engine engine/native engine/lammps micro farm control macro scene
+MODULES ?= base io contact packing engine engine/native engine/lammps engine/peers engine/liggghts micro farm control macro scene
 
 PKGS   := ompi-c hdf5-openmpi yaml-0.1 libcjson cairo
 CC     ?= gcc
