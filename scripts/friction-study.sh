@@ -47,7 +47,7 @@ $2
 E3
   [ "$kind" = cyclic ] && path="cyclic-$most" || path="$kind-$axis-$most"
   ./granhom rve "sand-$packing.data" --path "paths/$path.csv" --boundary "$boundary" --engine "$ENGINE" --normal-stiffness 1000 \
-    --friction-angle "$angle" --hardening "$hardening" -o "$2.csv" >"$2.log" 2>&1 || code=$?
+    --friction-angle "$angle" --hardening "$hardening" --max-steps 400000 -o "$2.csv" >"$2.log" 2>&1 || code=$?
   ;;
 esac
 rm -rf "$TMPDIR"

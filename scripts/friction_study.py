@@ -20,7 +20,8 @@ MOST = {"uniaxial": {"taylor": "0.3"}, "shear": {"taylor": "1"}, "cyclic": {"tay
 LESS = {"uniaxial": "0.1", "shear": "0.2", "cyclic": "0.05"}
 START = 10  # increments of the compression before the shear
 # What a check allows.
-LINEAR, CHANGE = 0.98, 0.1
+LINEAR = 0.98  # R^2 of a straight line
+NORMAL, SHEAR = 0.02, 0.1  # change of the stresses of simple shear
 
 
 def most(kind, boundary):
@@ -155,12 +156,13 @@ def angle_table(sets, checks):
 # ---- simple shear ----
 
 def shear_change(sets, boundary, axis, name, angle):
-    """Largest change of the mean stress by friction over the largest frictionless one, and where; over the deviation there."""
+    """Largest change of the mean stress by friction: over the largest frictionless one; at which shear; over the deviation of the
+    ensemble there."""
     plain, rough = sets["shear", boundary, axis, 0, 0], sets["shear", boundary, axis, angle, 0]
     scale = max(abs(mean(plain.values(name, k))) for k in range(START, len(plain.strain())))
     worst = max(range(START, len(plain.strain())), key=lambda k: abs(mean(rough.values(name, k)) - mean(plain.values(name, k))))
     change = mean(rough.values(name, worst)) - mean(plain.values(name, worst))
-    return abs(change) / scale, plain.strain()[worst], abs(change) / max(deviation(plain.values(name, worst)), 1e-300)
+    return abs(change) / scale, plain.strain()[worst], abs(change) / (deviation(plain.values(name, worst)) or math.nan)
 
 
 def shear_table(sets, checks):
@@ -172,10 +174,14 @@ def shear_table(sets, checks):
             for name in ("s11", "s22", "s12"):
                 changes = [shear_change(sets, boundary, axis, name, a) for a in ANGLES[1:]]
                 last = [mean(sets["shear", boundary, axis, a, 0].values(name, -1)) for a in ANGLES]
-                rows.append([boundary, axis, {"s11": "11", "s22": "22", "s12": "12"}[name]] + [f"{v:.4f}" for v in last] +
+                rows.append([boundary, axis, name[1:]] + [f"{v:.4f}" for v in last] +
                             [f"{100 * c[0]:.1f} %" for c in changes] + [f"{changes[-1][1]:g}", f"{changes[-1][2]:.1f}"])
+                if boundary == "taylor":
+                    limit = SHEAR if name == "s12" else NORMAL
+                    checks.add(f"Taylor, simple shear along axis {axis}, component {name[1:]}: 30 degrees change it by less than {100 * limit:g} %",
+                               f"{100 * changes[-1][0]:.1f} %", changes[-1][0] < limit)
     return markdown(["condition", "axis", "component"] + [f"end, {a} deg" for a in ANGLES] + [f"change, {a} deg" for a in ANGLES[1:]] +
-                    ["largest at", "over the deviation of the ensemble"], rows)
+                    ["30 deg: at the shear", "over the deviation there"], rows)
 
 
 # ---- cyclic shear ----
