@@ -175,7 +175,7 @@ def shear_table(sets, checks):
                 changes = [shear_change(sets, boundary, axis, name, a) for a in ANGLES[1:]]
                 last = [mean(sets["shear", boundary, axis, a, 0].values(name, -1)) for a in ANGLES]
                 rows.append([boundary, axis, name[1:]] + [f"{v:.4f}" for v in last] +
-                            [f"{100 * c[0]:.1f} %" for c in changes] + [f"{changes[-1][1]:g}", f"{changes[-1][2]:.1f}"])
+                            [f"{100 * c[0]:.1f} %" for c in changes] + [f"{changes[-1][1]:g}", "-" if math.isnan(changes[-1][2]) else f"{changes[-1][2]:.1f}"])
                 if boundary == "taylor":
                     limit = SHEAR if name == "s12" else NORMAL
                     checks.add(f"Taylor, simple shear along axis {axis}, component {name[1:]}: 30 degrees change it by less than {100 * limit:g} %",
