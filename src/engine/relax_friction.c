@@ -10,8 +10,11 @@
 
 enum { BOUND_EVERY = 32 }; /* steps between two bounds of the largest eigenvalue */
 
-/* Least damping, over 1/dt (relax.c). */
-static const double LEAST_DAMPING = 1e-2;
+/* Least damping, over 1/dt: at first (relax.c says why), and at most. It is doubled where the residual has
+ * not come down to half in PATIENCE steps: sliding contacts make the stiffness unsymmetric, and grains may
+ * circle, fed by the forces, without that the quotient of Rayleigh sees anything to damp. */
+static const double LEAST_DAMPING = 1e-2, MOST_DAMPING = 1;
+enum { PATIENCE = 1000 };
 
 /* Numbers of each pair: what it is and remembers, one array for each, so that loops over pairs vectorise; and
  * what it exerts: force on grain i, couple, overlap. */
@@ -166,7 +169,7 @@ double gh_relax_friction_forces(gh_relax_friction *s, double *mean_force) {
  * here with a = min(1, mu E_n/(2 E_t)), which needs no more than E_t across where mu E_n <= 2 E_t. Without
  * friction and hardening nothing resists slip. Parts of the order of overlap over radius are left to the
  * distance of gh_relax_time_step from the limit. */
-static void contact_bound(const gh_contact_law *law, double *along, double *across) {
+void gh_relax_friction_bound(const gh_contact_law *law, double *along, double *across) {
   const double En = law->normal_stiffness, Et = law->tangential_stiffness, mu = law->friction_coefficient;
   *along = En * (1 + 0.5 * mu * fmin(1, mu * En / (2 * Et)));
   *across = mu == 0 && law->hardening == 0 ? 0 : fmax(Et, 0.5 * mu * En);
@@ -198,16 +201,16 @@ static void add_block(double *k, double free, double turns, const double n[2], d
   k[5] += across * turn * turn;
 }
 
-/* A contact's form is along N^2 + across B^2 at most (contact_bound), and N and B are each a part of grain i
- * plus a part of grain j. As (a + b)^2 <= 2 a^2 + 2 b^2, the whole form is at most twice the sum of the forms
- * in which one grain moves alone, which is twice the sum of the grains' own blocks: twice the largest
- * eigenvalue of a block bounds all. For a grain and its own image a = b: that is an equality. Pairs that
- * nearly touch count too: they may touch before the next bound. */
+/* A contact's form is along N^2 + across B^2 at most (gh_relax_friction_bound), and N and B are each a part
+ * of grain i plus a part of grain j. As (a + b)^2 <= 2 a^2 + 2 b^2, the whole form is at most twice the sum
+ * of the forms in which one grain moves alone, which is twice the sum of the grains' own blocks: twice the
+ * largest eigenvalue of a block bounds all. For a grain and its own image a = b: that is an equality. Pairs
+ * that nearly touch count too: they may touch before the next bound. */
 static double time_step(const gh_relax_friction *s, double *block) {
   const gh_relax_state *g = &s->grains;
   const double turns = s->law->fixed_rotations ? 0 : 1;
   double along, across;
-  contact_bound(s->law, &along, &across);
+  gh_relax_friction_bound(s->law, &along, &across);
   memset(block, 0, PER_BLOCK * (size_t)g->n * sizeof *block);
   for (int p = 0; p < g->npairs; p++) {
     const gh_pair *q = &g->pairs[p];
@@ -274,6 +277,14 @@ static double rayleigh(const gh_relax_friction *s, const parts *w, double dt) {
   return down > 0 && up > 0 ? up / (dt * down) : 0;
 }
 
+/* Raises the least damping where the residual does not come down. */
+static void watch(gh_relax_watch *w, double residual) {
+  if (w->least == 0) *w = (gh_relax_watch){.record = INFINITY, .least = LEAST_DAMPING};
+  if (residual <= 0.5 * w->record) w->record = residual, w->waited = 0;
+  else if (++w->waited == PATIENCE)
+    *w = (gh_relax_watch){.record = residual, .least = fmin(2 * w->least, MOST_DAMPING)};
+}
+
 /* Nothing moves yet (4.41): what the velocities held before is not looked at. */
 static void start(gh_relax_friction *s) {
   memset(s->grains.v, 0, 2 * (size_t)s->grains.n * sizeof(double));
@@ -304,7 +315,8 @@ gh_relax_end gh_relax_friction_run(gh_relax_friction *s, double tolerance, doubl
     if (*residual <= tolerance) return GH_RELAX_CONVERGED;
     if (k + 1 >= max_steps) return GH_RELAX_STEPS;
     if (stale || k % BOUND_EVERY == 0) dt = time_step(s, w.block);
-    g->damping = fmax(g->damping, LEAST_DAMPING / dt);
+    watch(&s->watch, *residual);
+    g->damping = fmax(g->damping, s->watch.least / dt);
     memcpy(w.old_f, g->f, 2 * n * sizeof(double));
     memcpy(w.old_c, w.couple, n * sizeof(double));
     far = advance(s, w.couple, g->damping, dt) > g->slack * g->slack;

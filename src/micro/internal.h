@@ -3,6 +3,7 @@
 #define GRANHOM_MICRO_INTERNAL_H
 
 #include <cholmod.h>
+#include <klu.h>
 
 #include "granhom/micro.h"
 
@@ -39,7 +40,7 @@ gh_status gh_stiffness_factorise(gh_context *ctx, gh_stiffness *s, const unsigne
  * next solve. */
 gh_status gh_stiffness_solve(gh_context *ctx, gh_stiffness *s, int ncol, const double **X);
 
-/* ---- the same with friction: positions and rotations, unsymmetric, LU by UMFPACK ---- */
+/* ---- the same with friction: positions and rotations, unsymmetric, LU by KLU ---- */
 
 typedef struct gh_coupled {
   int n; /* unknowns */
@@ -52,11 +53,11 @@ typedef struct gh_coupled {
   double *x;
   double *rhs, *solution; /* n x 4 each, column-major */
   int *old;               /* pattern of `symbolic`: p, then i */
-  void *symbolic, *numeric;
-  int *wi;
-  double *w; /* UMFPACK's work space for solving */
+  klu_common common;
+  klu_symbolic *symbolic;
+  klu_numeric *numeric;
   size_t neighbour_capacity, row_capacity, p_capacity, i_capacity, x_capacity, rhs_capacity,
-      solution_capacity, old_capacity, wi_capacity, w_capacity;
+      solution_capacity, old_capacity;
   int old_n;
   long analyses, factorisations;
 } gh_coupled;
@@ -163,8 +164,9 @@ gh_status gh_rve_sums(gh_rve *rve);
 /* A by static condensation; contacts and rattlers of the equilibrium are at hand. */
 gh_status gh_rve_tangent(gh_rve *rve, double A[16]);
 gh_status gh_rve_tangent_friction(gh_rve *rve, double A[16]);
-/* Factor of the coupled stiffness at the contacts at hand, with a shift where it is singular without. */
-gh_status gh_rve_factorise_coupled(gh_rve *rve, bool *regular);
+/* Factor of the coupled stiffness at the contacts at hand; where it is singular and `help` is set, with a
+ * shift. */
+gh_status gh_rve_factorise_coupled(gh_rve *rve, bool help, bool *regular);
 /* Marks the grains that carry nothing, into rve->rattlers and rve->m. */
 gh_status gh_rve_find_rattlers(gh_rve *rve);
 /* Whether anything is unknown at given F: positions or rotations. */
