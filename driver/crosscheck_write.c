@@ -53,8 +53,11 @@ static double refined(const cross_job *j, int k, int e, bool change) {
   return k > 0 ? cross_worst(j, level, e, level - 1, e, &row) : NAN;
 }
 
-/* A line per level; from line to line the values fall as (1/2)^order. */
+/* A line per level; from line to line the values fall as (1/2)^order. What the residual may leave has no
+ * order.
+ */
 static void print_refinement(const cross_job *j, bool change) {
+  double rest = 100 * j->rve.tolerance;
   printf("%-6s", "parts");
   for (int e = change ? 0 : 1; e < j->engines; e++) printf(" %10s order", word(j, e));
   printf("\n");
@@ -64,7 +67,7 @@ static void print_refinement(const cross_job *j, bool change) {
       double d = refined(j, k, e, change), before = k ? refined(j, k - 1, e, change) : NAN;
       if (isnan(d)) printf(" %10s", "-");
       else printf(" %10.2e", d);
-      if (d > 0 && before > 0) printf(" %5.2f", log2(before / d));
+      if (d > rest && before > rest) printf(" %5.2f", log2(before / d));
       else printf(" %5s", "");
     }
     printf("\n");
