@@ -88,6 +88,8 @@ typedef struct gh_rve_view {
   const int *grain, *type, *id;
   const unsigned char *flags;
   const gh_contact *contacts;
+  const gh_friction *friction; /* parallel to contacts; NULL without friction */
+  const double *theta;         /* rotations; NULL without friction */
   double cell[4], low[2];
   bool periodic;
 } gh_rve_view;
