@@ -9,8 +9,9 @@
 typedef struct slot {
   double *data;
   size_t size, capacity;
-  int space;   /* that wrote it, -1 */
-  long ticket; /* of the evaluation that wrote it, 0 */
+  long version; /* another one whenever it is written */
+  int space;    /* that wrote it, -1 */
+  long ticket;  /* of the evaluation that wrote it, 0 */
 } slot;
 
 /* An RVE of the pool. */
@@ -18,6 +19,7 @@ typedef struct space {
   gh_rve *rve;
   int packing;
   long ticket; /* of its last evaluation */
+  long loaded; /* version of the state that it starts from, 0 */
   double bytes;
 } space;
 
@@ -35,6 +37,7 @@ struct farm_store {
   size_t space_capacity;
   double bytes;    /* of all spaces */
   long ticket;     /* of the last evaluation */
+  long version;    /* the last one given out */
   long round, old; /* tickets when the present round and the one before it began */
   gh_rve_cost off; /* cost of RVEs that are gone */
 };
@@ -103,6 +106,7 @@ void farm_store_destroy(farm_store **store) {
 static gh_status resize(farm_store *s, slot *q, size_t size) {
   GH_TRY(gh_grow(s->ctx, size, sizeof *q->data, &q->capacity, &q->data));
   q->size = size;
+  q->version = ++s->version;
   q->space = -1;
   q->ticket = 0;
   return GH_OK;
@@ -212,11 +216,12 @@ void farm_store_begin(farm_store *s) {
 }
 
 static gh_status load(farm_store *s, const farm_task *task, space *w) {
-  const double *state = NULL;
-  size_t size = 0;
-  if (task->from == FARM_FRESH) state = s->fresh[task->packing].data, size = s->fresh[task->packing].size;
-  else GH_TRY(farm_store_get(s, task->from, &state, &size));
-  return gh_rve_load(w->rve, state, size);
+  const slot *from = task->from == FARM_FRESH ? s->fresh + task->packing : s->slots + task->from;
+  if (w->loaded == from->version) return GH_OK;
+  w->loaded = 0;
+  GH_TRY(gh_rve_load(w->rve, from->data, from->size));
+  w->loaded = from->version;
+  return GH_OK;
 }
 
 static gh_status check_task(farm_store *s, const farm_task *task) {

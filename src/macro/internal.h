@@ -70,7 +70,8 @@ gh_status gh_supports_check(gh_context *ctx, const gh_mesh *mesh, const unsigned
 typedef struct gh_system gh_system;
 gh_status gh_system_create(gh_context *ctx, const gh_mesh *mesh, gh_system **system);
 void gh_system_destroy(gh_system **system);
-/* Which degrees of freedom are prescribed; a new analysis only when they change. */
+/* Which degrees of freedom are prescribed, at the begin of an increment. Analyses are not kept from one
+ * increment to the next: UMFPACK's depends on the values, and a restart has only those to come. */
 gh_status gh_system_constrain(gh_system *system, const unsigned char *fixed);
 void gh_system_clear(gh_system *system);
 /* Adds an n x n matrix (row-major) at the degrees of freedom dof. */

@@ -144,10 +144,10 @@ void gh_system_destroy(gh_system **system) {
 }
 
 gh_status gh_system_constrain(gh_system *s, const unsigned char *fixed) {
-  if (s->constrained && memcmp(s->fixed, fixed, (size_t)s->ndof) == 0) return GH_OK;
   int *place = NULL, n = 0;
-  GH_TRY(gh_alloc(s->ctx, (size_t)s->ndof, sizeof *place, &place));
   forget_analysis(s);
+  if (s->constrained && memcmp(s->fixed, fixed, (size_t)s->ndof) == 0) return GH_OK;
+  GH_TRY(gh_alloc(s->ctx, (size_t)s->ndof, sizeof *place, &place));
   memcpy(s->fixed, fixed, (size_t)s->ndof);
   s->nfree = 0;
   for (int d = 0; d < s->ndof; d++) {
