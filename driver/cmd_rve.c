@@ -29,7 +29,8 @@ static const char help[] =
     "  --tolerance T          largest force on a grain, and moment over radius, over the mean normal "
     "contact\n"
     "                         force (default 1e-8)\n"
-    "  --max-steps N          relaxation steps after which an increment has failed (default 400000)\n"
+    "  --max-steps N          relaxation steps after which an increment has no equilibrium and is cut, six\n"
+    "                         times at most (default 400000, with friction 50000)\n"
     "  --tangent FILE         tangent dP/dF of each increment: step,A1111,A1112,...,A2222\n"
     "  --dump FILE            a LAMMPS dump of the grains, one frame per increment (OVITO reads it)\n"
     "  --save-state FILE      converged state at the end of the path (HDF5)\n"
@@ -249,9 +250,48 @@ static gh_status write_files(job *j, bool last) {
   return GH_OK;
 }
 
+/* F of the converged state that the path starts from. */
+static gh_status start_of_path(job *j, double F[4]) {
+  double *state;
+  GH_TRY(gh_alloc(j->ctx, gh_rve_state_size(j->rve), sizeof *state, &state));
+  gh_status status = gh_rve_save(j->rve, state);
+  memcpy(F, state, 4 * sizeof *F);
+  free(state);
+  return status;
+}
+
+/* Evaluates at `to`. An increment that has no equilibrium is cut: parts of it are committed on the way. */
+static gh_status reach(job *j, long step, const double from[4], const double to[4], double P[4],
+                       double A[16]) {
+  enum { MOST_CUTS = 6 };
+  double t = 0, dt = 1;
+  int cuts = 0, parts = 0;
+  for (int level = 0;;) {
+    double F[4];
+    bool last = t + dt == 1;
+    for (int k = 0; k < 4; k++) F[k] = last ? to[k] : from[k] + (t + dt) * (to[k] - from[k]);
+    gh_status status = gh_rve_evaluate(j->rve, F, last && j->tangent ? GH_WANT_TANGENT : 0, P, A);
+    if (status == GH_DIVERGED && level < MOST_CUTS) {
+      GH_TRY(gh_rve_revert(j->rve));
+      dt /= 2, level++, cuts++;
+      continue;
+    }
+    if (status != GH_OK && parts) gh_prefix(j->ctx, status, "after %d parts of the increment: ", parts);
+    GH_TRY(status);
+    if (last) break;
+    GH_TRY(gh_rve_commit(j->rve));
+    t += dt, parts++;
+    if (level > 0 && fmod(t, 2 * dt) == 0) dt *= 2, level--;
+  }
+  if (cuts)
+    gh_log(j->ctx, GH_LEVEL_INFO, "step %ld: no equilibrium at once, reached in %d parts", step, parts + 1);
+  return GH_OK;
+}
+
 static gh_status walk(job *j) {
   gh_work work;
-  gh_status status = GH_OK;
+  double from[4];
+  gh_status status = start_of_path(j, from);
   gh_work_begin(j->ctx, &work, "rve", "increments", j->path->nrows);
   int row = 0;
   for (; row < j->path->nrows && status == GH_OK; row++) {
@@ -259,9 +299,10 @@ static gh_status walk(job *j) {
     double F[4], P[4], A[16];
     for (int k = 0; k < 4; k++) F[k] = value[j->columns[k + 1]];
     long step = j->columns[0] >= 0 ? (long)value[j->columns[0]] : row;
-    status = gh_rve_evaluate(j->rve, F, j->tangent ? GH_WANT_TANGENT : 0, P, A);
+    status = reach(j, step, from, F, P, A);
     if (status == GH_OK) status = write_row(j, step, A);
     if (status == GH_OK) status = gh_rve_commit(j->rve);
+    memcpy(from, F, sizeof from);
     if (status != GH_OK) gh_prefix(j->ctx, status, "step %ld: ", step);
     gh_work_advance(j->ctx, &work, row + 1);
     if (status == GH_OK && gh_seconds() - j->written > WRITE_EVERY) status = write_files(j, false);

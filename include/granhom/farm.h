@@ -66,6 +66,7 @@ gh_status gh_farm_look(gh_farm *farm, int point, gh_rve_view *view);
 int gh_farm_packing(const gh_farm *farm, int point);
 /* Where the time of all RVEs went, summed over all ranks. Zero when another rank fails to answer. */
 void gh_farm_costs(const gh_farm *farm, gh_rve_cost *sum);
+void gh_rve_cost_add(gh_rve_cost *sum, const gh_rve_cost *more); /* sum += more */
 
 /* Counts since the farm was made. The first three are sums over points, as if each were computed: they do not
  * depend on ranks or sharing. */

@@ -10,8 +10,11 @@
 
 enum { BOUND_EVERY = 32 }; /* steps between two bounds of the largest eigenvalue */
 
-/* Least damping, over 1/dt (relax.c). */
-static const double LEAST_DAMPING = 1e-2;
+/* Least damping, over 1/dt: at first (relax.c says why), and at most. It is doubled where the residual has
+ * not come down to half in PATIENCE steps: sliding contacts make the stiffness unsymmetric, and grains may
+ * circle, fed by the forces, without that the quotient of Rayleigh sees anything to damp. */
+static const double LEAST_DAMPING = 1e-2, MOST_DAMPING = 1;
+enum { PATIENCE = 1000 };
 
 /* Numbers of each pair: what it is and remembers, one array for each, so that loops over pairs vectorise; and
  * what it exerts: force on grain i, couple, overlap. */
@@ -274,6 +277,14 @@ static double rayleigh(const gh_relax_friction *s, const parts *w, double dt) {
   return down > 0 && up > 0 ? up / (dt * down) : 0;
 }
 
+/* Raises the least damping where the residual does not come down. */
+static void watch(gh_relax_watch *w, double residual) {
+  if (w->least == 0) *w = (gh_relax_watch){.record = INFINITY, .least = LEAST_DAMPING};
+  if (residual <= 0.5 * w->record) w->record = residual, w->waited = 0;
+  else if (++w->waited == PATIENCE)
+    *w = (gh_relax_watch){.record = residual, .least = fmin(2 * w->least, MOST_DAMPING)};
+}
+
 /* Nothing moves yet (4.41): what the velocities held before is not looked at. */
 static void start(gh_relax_friction *s) {
   memset(s->grains.v, 0, 2 * (size_t)s->grains.n * sizeof(double));
@@ -304,7 +315,8 @@ gh_relax_end gh_relax_friction_run(gh_relax_friction *s, double tolerance, doubl
     if (*residual <= tolerance) return GH_RELAX_CONVERGED;
     if (k + 1 >= max_steps) return GH_RELAX_STEPS;
     if (stale || k % BOUND_EVERY == 0) dt = time_step(s, w.block);
-    g->damping = fmax(g->damping, LEAST_DAMPING / dt);
+    watch(&s->watch, *residual);
+    g->damping = fmax(g->damping, s->watch.least / dt);
     memcpy(w.old_f, g->f, 2 * n * sizeof(double));
     memcpy(w.old_c, w.couple, n * sizeof(double));
     far = advance(s, w.couple, g->damping, dt) > g->slack * g->slack;

@@ -311,6 +311,6 @@ void farm_shared_costs(farm_shared *s, gh_rve_cost *sum) {
     farm_begin_order(s, FARM_COSTS);
     if (farm_order(s, r) != GH_OK || farm_receive(s->ctx, s->comm, r, &tag, &s->message, NULL) != GH_OK)
       continue;
-    if (farm_take(&s->message, &c, sizeof c)) farm_add_costs(sum, &c);
+    if (farm_take(&s->message, &c, sizeof c)) gh_rve_cost_add(sum, &c);
   }
 }

@@ -50,9 +50,9 @@ static double heap(void) {
   return (double)m.uordblks + (double)m.hblkhd;
 }
 
-void farm_add_costs(gh_rve_cost *sum, const gh_rve_cost *c) {
+void gh_rve_cost_add(gh_rve_cost *sum, const gh_rve_cost *c) {
   sum->set += c->set, sum->relax += c->relax, sum->contacts += c->contacts, sum->factorise += c->factorise,
-      sum->total += c->total;
+      sum->history += c->history, sum->total += c->total;
   sum->evaluations += c->evaluations, sum->steps += c->steps, sum->factorisations += c->factorisations,
       sum->analyses += c->analyses;
 }
@@ -60,7 +60,7 @@ void farm_add_costs(gh_rve_cost *sum, const gh_rve_cost *c) {
 static void add_cost(gh_rve_cost *sum, const gh_rve *rve) {
   gh_rve_cost c;
   gh_rve_costs(rve, &c);
-  farm_add_costs(sum, &c);
+  gh_rve_cost_add(sum, &c);
 }
 
 gh_status farm_store_create(gh_context *ctx, int npackings, gh_packing **packings,
@@ -279,7 +279,7 @@ gh_status farm_store_look(farm_store *s, const farm_task *task, gh_rve_view *vie
 }
 
 void farm_store_costs(const farm_store *s, gh_rve_cost *sum) {
-  farm_add_costs(sum, &s->off);
+  gh_rve_cost_add(sum, &s->off);
   for (int k = 0; k < s->nspaces; k++)
     if (s->spaces[k].rve) add_cost(sum, s->spaces[k].rve);
 }

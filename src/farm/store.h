@@ -40,7 +40,6 @@ gh_status farm_store_get(farm_store *store, int slot, const double **state, size
 gh_status farm_store_put(farm_store *store, int slot, size_t size, double **state);
 /* Grains and contacts of an evaluation; done again where its RVE has gone on. */
 gh_status farm_store_look(farm_store *store, const farm_task *task, gh_rve_view *view);
-void farm_add_costs(gh_rve_cost *sum, const gh_rve_cost *more);
 /* Adds to sum. */
 void farm_store_costs(const farm_store *store, gh_rve_cost *sum);
 int farm_store_residents(const farm_store *store, double *bytes);

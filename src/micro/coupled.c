@@ -1,10 +1,10 @@
 /* Stiffness of positions and rotations with friction: unsymmetric, in compressed columns, its LU factor by
- * UMFPACK. SPDX-License-Identifier: GPL-2.0-or-later
+ * KLU of SuiteSparse. SPDX-License-Identifier: GPL-2.0-or-later
  *
- * Blocks are of members, up to 3 x 3 (u_x, u_y, theta); the pattern of blocks is symmetric. */
+ * KLU and not UMFPACK: the factors are so sparse that UMFPACK's dense fronts do not pay
+ * (docs/performance.md). Blocks are of members, up to 3 x 3 (u_x, u_y, theta); the pattern of blocks is
+ * symmetric. */
 #include "micro/internal.h"
-
-#include <umfpack.h>
 
 #include <stdlib.h>
 #include <string.h>
@@ -14,6 +14,8 @@ gh_status gh_coupled_create(gh_context *ctx, int members, gh_coupled **coupled) 
   *coupled = NULL;
   GH_TRY(gh_alloc(ctx, 1, sizeof *s, &s));
   s->members = members;
+  klu_defaults(&s->common);
+  s->common.btf = 0; /* the pattern is symmetric and hangs together */
   gh_status status = gh_alloc(ctx, 3 * (size_t)members, sizeof(int), &s->unknown);
   if (status == GH_OK) status = gh_alloc(ctx, (size_t)members + 2, sizeof(int), &s->first);
   if (status != GH_OK) gh_coupled_destroy(&s);
@@ -24,10 +26,10 @@ gh_status gh_coupled_create(gh_context *ctx, int members, gh_coupled **coupled) 
 void gh_coupled_destroy(gh_coupled **coupled) {
   if (!coupled || !*coupled) return;
   gh_coupled *s = *coupled;
-  if (s->symbolic) umfpack_di_free_symbolic(&s->symbolic);
-  if (s->numeric) umfpack_di_free_numeric(&s->numeric);
-  void *const arrays[] = {s->unknown, s->first, s->neighbour, s->row, s->p,  s->i,
-                          s->x,       s->rhs,   s->solution,  s->old, s->wi, s->w};
+  klu_free_symbolic(&s->symbolic, &s->common);
+  klu_free_numeric(&s->numeric, &s->common);
+  void *const arrays[] = {s->unknown, s->first, s->neighbour, s->row,      s->p,
+                          s->i,       s->x,     s->rhs,       s->solution, s->old};
   for (size_t k = 0; k < sizeof arrays / sizeof *arrays; k++) free(arrays[k]);
   free(s);
   *coupled = NULL;
@@ -178,17 +180,21 @@ static void assemble(gh_coupled *s, const double *radius, const gh_contact_list 
 }
 
 /* The symbolic analysis is kept while the pattern stays. */
-static int analyse(gh_coupled *s, const double *control, double *info) {
+static gh_status analyse(gh_context *ctx, gh_coupled *s) {
   size_t np = (size_t)s->n + 1, ni = (size_t)s->p[s->n];
   bool same = s->symbolic && s->old_n == s->n && !memcmp(s->old, s->p, np * sizeof(int)) &&
               !memcmp(s->old + np, s->i, ni * sizeof(int));
-  if (same) return UMFPACK_OK;
-  if (s->symbolic) umfpack_di_free_symbolic(&s->symbolic);
+  if (same) return GH_OK;
+  GH_TRY(gh_grow(ctx, np + ni, sizeof(int), &s->old_capacity, &s->old));
   memcpy(s->old, s->p, np * sizeof(int));
   memcpy(s->old + np, s->i, ni * sizeof(int));
   s->old_n = s->n;
   s->analyses++;
-  return umfpack_di_symbolic(s->n, s->n, s->p, s->i, NULL, &s->symbolic, control, info);
+  klu_free_symbolic(&s->symbolic, &s->common);
+  s->symbolic = klu_analyze(s->n, s->p, s->i, &s->common);
+  if (s->symbolic) return GH_OK;
+  return gh_fail(ctx, GH_MEMORY, "KLU failed to analyse a stiffness of %d unknowns (status %d)", s->n,
+                 s->common.status);
 }
 
 gh_status gh_coupled_factorise(gh_context *ctx, gh_coupled *s, const double *radius,
@@ -199,21 +205,15 @@ gh_status gh_coupled_factorise(gh_context *ctx, gh_coupled *s, const double *rad
   assemble(s, radius, list, shift);
   if (!gh_finite(s->x, (size_t)s->p[s->n]))
     return gh_fail(ctx, GH_DIVERGED, "the stiffness of the packing is not finite");
-  size_t pattern = (size_t)s->n + 1 + (size_t)s->p[s->n];
-  if (pattern > s->old_capacity) s->old_n = -1; /* gh_grow keeps the content, but be safe with old sizes */
-  GH_TRY(gh_grow(ctx, pattern, sizeof(int), &s->old_capacity, &s->old));
-  double control[UMFPACK_CONTROL], info[UMFPACK_INFO];
-  umfpack_di_defaults(control);
-  control[UMFPACK_STRATEGY] = UMFPACK_STRATEGY_SYMMETRIC;
-  int code = analyse(s, control, info);
-  if (s->numeric) umfpack_di_free_numeric(&s->numeric);
-  if (code == UMFPACK_OK)
-    code = umfpack_di_numeric(s->p, s->i, s->x, s->symbolic, &s->numeric, control, info);
+  GH_TRY(analyse(ctx, s));
+  klu_free_numeric(&s->numeric, &s->common);
+  s->numeric = klu_factor(s->p, s->i, s->x, s->symbolic, &s->common);
   s->factorisations++;
-  if (code < 0)
-    return gh_fail(ctx, GH_MEMORY, "UMFPACK failed to factorise a stiffness of %d unknowns (status %d)", s->n,
-                   code);
-  *regular = code == UMFPACK_OK && info[UMFPACK_RCOND] > least_condition;
+  if (s->common.status < KLU_OK)
+    return gh_fail(ctx, GH_MEMORY, "KLU failed to factorise a stiffness of %d unknowns (status %d)", s->n,
+                   s->common.status);
+  *regular = s->numeric && s->common.status == KLU_OK && klu_rcond(s->symbolic, s->numeric, &s->common) &&
+             s->common.rcond > least_condition;
   return GH_OK;
 }
 
@@ -221,14 +221,9 @@ gh_status gh_coupled_solve(gh_context *ctx, gh_coupled *s, int ncol, const doubl
   size_t n = (size_t)s->n;
   *X = s->solution;
   if (n == 0) return GH_OK;
-  GH_TRY(gh_grow(ctx, n, sizeof(int), &s->wi_capacity, &s->wi));
-  GH_TRY(gh_grow(ctx, 5 * n, sizeof(double), &s->w_capacity, &s->w));
-  for (int c = 0; c < ncol; c++) {
-    int code = umfpack_di_wsolve(UMFPACK_A, s->p, s->i, s->x, s->solution + n * (size_t)c,
-                                 s->rhs + n * (size_t)c, s->numeric, NULL, NULL, s->wi, s->w);
-    if (code < 0)
-      return gh_fail(ctx, GH_MEMORY, "UMFPACK failed to solve for %d unknowns (status %d)", s->n, code);
-  }
+  memcpy(s->solution, s->rhs, n * (size_t)ncol * sizeof(double));
+  if (!klu_solve(s->symbolic, s->numeric, s->n, ncol, s->solution, &s->common))
+    return gh_fail(ctx, GH_MEMORY, "KLU failed to solve for %d unknowns (status %d)", s->n, s->common.status);
   if (!gh_finite(s->solution, n * (size_t)ncol))
     return gh_fail(ctx, GH_DIVERGED, "the solution with the stiffness of the packing is not finite");
   return GH_OK;

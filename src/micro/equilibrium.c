@@ -82,20 +82,21 @@ static gh_status relax(gh_rve *r, double tolerance, long *left) {
 /* Friction leaves modes without stiffness: grains that roll on each other like gears where no odd cycle of
  * contacts blocks them, grains that one contact holds, grains whose contacts all slide. A little stiffness of
  * position and rotation decides them in the tangent. */
-gh_status gh_rve_factorise_coupled(gh_rve *r, bool *regular) {
+gh_status gh_rve_factorise_coupled(gh_rve *r, bool help, bool *regular) {
   double most = 1e-6 * r->options.law.normal_stiffness;
+  r->shift = 0;
   GH_TRY(gh_coupled_number(r->ctx, r->coupled, r->held, r->rattlers->flag, r->turns, &r->list, r->periodic));
   for (;;) {
     GH_TRY(gh_coupled_factorise(r->ctx, r->coupled, r->radius, &r->list, r->shift, regular));
     r->m.factorisations++;
-    if (*regular || r->shift >= most) return GH_OK;
+    if (*regular || !help || r->shift >= most) return GH_OK;
     r->shift = r->shift > 0 ? 10 * r->shift : 1e-3 * most;
   }
 }
 
 /* Rolling changes no contact force, so that any amount of it is the same equilibrium. Grains whose contacts
  * slide without hardening can come to rest in many places, and relaxation alone says in which. */
-static bool rolls_only(const gh_rve *r) {
+static bool only_rolls(const gh_rve *r) {
   if (r->options.law.hardening > 0) return true;
   for (int c = 0; c < r->list.count; c++)
     if (r->list.friction[c].slides) return false;
@@ -106,9 +107,7 @@ static gh_status factorise(gh_rve *r, bool *good) {
   double start = gh_seconds();
   GH_TRY(gh_rve_find_rattlers(r));
   if (r->coupled) {
-    r->shift = 0;
-    GH_TRY(gh_rve_factorise_coupled(r, good));
-    *good = *good && (r->shift == 0 || rolls_only(r));
+    GH_TRY(gh_rve_factorise_coupled(r, only_rolls(r), good));
   } else {
     GH_TRY(gh_stiffness_number(r->ctx, r->stiffness, r->n, r->held, r->rattlers->flag, r->list.contacts,
                                r->list.count, r->periodic));
@@ -158,16 +157,20 @@ static gh_status newton_step(gh_rve *r) {
 }
 
 /* Newton from the engine's positions as long as it is safe. *done: the residual is reached. Else the engine
- * is at the last safe positions. */
-static gh_status polish(gh_rve *r, bool *done) {
+ * is at the last safe positions, and *again says whether it is worth another try further on. */
+static gh_status polish(gh_rve *r, bool *done, bool *again) {
   *done = false;
+  *again = true;
   const double fall = r->relaxes ? 0.5 : 0.95; /* rotations alone have one equilibrium: any fall will do */
   GH_TRY(gh_engine_get(r->engine, r->x, r->theta));
   for (;;) {
     bool good;
     double before = r->m.residual;
     GH_TRY(factorise(r, &good));
-    if (!good) return GH_OK;
+    if (!good) { /* with friction: grains that carry nothing slide on their last contact until the end */
+      *again = !r->coupled;
+      return GH_OK;
+    }
     GH_TRY(newton_step(r));
     GH_TRY(gh_rve_look_at_contacts(r));
     if (!(r->m.residual <= fall * before) || r->m.unjammed) { /* back to where it was */
@@ -196,17 +199,17 @@ static void find_limits(gh_rve *r, const double cell[4]) {
 static gh_status solve(gh_rve *r) {
   long left = r->options.max_steps;
   double aim = fmax(first_relaxation, r->options.tolerance);
-  bool done = false;
+  bool done = false, again;
   if (!r->relaxes) {
     GH_TRY(gh_rve_look_at_contacts(r));
     if (r->m.unjammed || r->m.residual <= target(r)) return GH_OK;
-    GH_TRY(polish(r, &done));
+    GH_TRY(polish(r, &done, &again));
   }
   while (!done) {
     GH_TRY(relax(r, aim, &left));
     if (r->m.unjammed || r->m.residual <= target(r)) break;
-    GH_TRY(polish(r, &done));
-    if (!done) aim = fmax(fmin(r->m.residual, aim) / 10, target(r));
+    GH_TRY(polish(r, &done, &again));
+    if (!done) aim = again ? fmax(fmin(r->m.residual, aim) / 10, target(r)) : target(r);
   }
   return GH_OK;
 }

@@ -9,8 +9,8 @@ static int compare(const gh_slip *a, const gh_slip *b) {
   return 0;
 }
 
-gh_status gh_history_advance(gh_context *ctx, const gh_history *from, const gh_contact_list *list,
-                             bool hardening, gh_history *to) {
+gh_status gh_slips_advance(gh_context *ctx, const gh_slips *from, const gh_contact_list *list, bool hardening,
+                           gh_slips *to) {
   size_t most = (size_t)list->count + (hardening ? (size_t)from->count : 0);
   GH_TRY(gh_grow(ctx, most + 1, sizeof(gh_slip), &to->capacity, &to->slips));
   to->count = 0;

@@ -3,6 +3,7 @@
 #define GRANHOM_MICRO_INTERNAL_H
 
 #include <cholmod.h>
+#include <klu.h>
 
 #include "granhom/micro.h"
 
@@ -39,7 +40,7 @@ gh_status gh_stiffness_factorise(gh_context *ctx, gh_stiffness *s, const unsigne
  * next solve. */
 gh_status gh_stiffness_solve(gh_context *ctx, gh_stiffness *s, int ncol, const double **X);
 
-/* ---- the same with friction: positions and rotations, unsymmetric, LU by UMFPACK ---- */
+/* ---- the same with friction: positions and rotations, unsymmetric, LU by KLU ---- */
 
 typedef struct gh_coupled {
   int n; /* unknowns */
@@ -52,11 +53,11 @@ typedef struct gh_coupled {
   double *x;
   double *rhs, *solution; /* n x 4 each, column-major */
   int *old;               /* pattern of `symbolic`: p, then i */
-  void *symbolic, *numeric;
-  int *wi;
-  double *w; /* UMFPACK's work space for solving */
+  klu_common common;
+  klu_symbolic *symbolic;
+  klu_numeric *numeric;
   size_t neighbour_capacity, row_capacity, p_capacity, i_capacity, x_capacity, rhs_capacity,
-      solution_capacity, old_capacity, wi_capacity, w_capacity;
+      solution_capacity, old_capacity;
   int old_n;
   long analyses, factorisations;
 } gh_coupled;
@@ -102,16 +103,16 @@ int gh_rattlers_loose(gh_rattlers *r, int n, const unsigned char *held, const gh
 /* ---- history of the contacts (Table 7.1) ---- */
 
 /* Sorted by (i, j, image[1], image[0]); contacts without history are left out. */
-typedef struct gh_history {
+typedef struct gh_slips {
   gh_slip *slips;
   int count;
   size_t capacity;
-} gh_history;
+} gh_slips;
 
 /* What the history becomes: that of the contacts, and the hardening of those that have opened (method 8.10).
  */
-gh_status gh_history_advance(gh_context *ctx, const gh_history *from, const gh_contact_list *list,
-                             bool hardening, gh_history *to);
+gh_status gh_slips_advance(gh_context *ctx, const gh_slips *from, const gh_contact_list *list, bool hardening,
+                           gh_slips *to);
 
 /* ---- the RVE ---- */
 
@@ -139,10 +140,10 @@ struct gh_rve {
   double *yn;
   double F[4], *y; /* trial state */
   bool trial;
-  double *thetan, *theta;            /* n: rotations of both states; NULL without friction */
-  gh_history history, trial_history; /* with friction */
-  double dissipatedn, dissipated;    /* by friction since the begin, of both states */
-  bool begun;                        /* the engine has the converged state */
+  double *thetan, *theta;          /* n: rotations of both states; NULL without friction */
+  gh_slips history, trial_history; /* with friction */
+  double dissipatedn, dissipated;  /* by friction since the begin, of both states */
+  bool begun;                      /* the engine has the converged state */
   double shift;     /* of the coupled stiffness in this evaluation: 0 until it has turned out singular */
   double *x, *step; /* n x 2 work: positions in space of the last evaluation, and of a Newton step */
   double *turn;     /* n work: rotations of a Newton step; NULL without friction */
@@ -163,8 +164,9 @@ gh_status gh_rve_sums(gh_rve *rve);
 /* A by static condensation; contacts and rattlers of the equilibrium are at hand. */
 gh_status gh_rve_tangent(gh_rve *rve, double A[16]);
 gh_status gh_rve_tangent_friction(gh_rve *rve, double A[16]);
-/* Factor of the coupled stiffness at the contacts at hand, with a shift where it is singular without. */
-gh_status gh_rve_factorise_coupled(gh_rve *rve, bool *regular);
+/* Factor of the coupled stiffness at the contacts at hand; where it is singular and `help` is set, with a
+ * shift. */
+gh_status gh_rve_factorise_coupled(gh_rve *rve, bool help, bool *regular);
 /* Marks the grains that carry nothing, into rve->rattlers and rve->m. */
 gh_status gh_rve_find_rattlers(gh_rve *rve);
 /* Whether anything is unknown at given F: positions or rotations. */

@@ -5,7 +5,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { DEFAULT_STEPS = 400000 };
+/* Friction makes relaxation short where there is an equilibrium at all: a few hundred steps. */
+enum { DEFAULT_STEPS = 400000, DEFAULT_STEPS_FRICTION = 50000 };
 
 static const char *const boundary_names[] = {"taylor", "taylor-cell", "restricted", "periodic"};
 
@@ -20,8 +21,12 @@ const char *gh_boundary_name(gh_boundary b) {
 }
 
 gh_rve_options gh_rve_defaults(void) {
-  return (gh_rve_options){
-      .boundary = GH_PERIODIC, .engine = GH_ENGINE_LAMMPS, .tolerance = 1e-8, .max_steps = DEFAULT_STEPS};
+  return (gh_rve_options){.boundary = GH_PERIODIC, .engine = GH_ENGINE_LAMMPS, .tolerance = 1e-8};
+}
+
+long gh_rve_step_limit(const gh_rve_options *o) {
+  if (o->max_steps > 0) return o->max_steps;
+  return o->law.friction ? DEFAULT_STEPS_FRICTION : DEFAULT_STEPS;
 }
 
 void gh_rve_destroy(gh_rve **rve) {
@@ -115,7 +120,7 @@ gh_status gh_rve_create(gh_context *ctx, const gh_packing *packing, const gh_rve
   gh_status status;
   r->ctx = ctx;
   r->options = *options;
-  if (r->options.max_steps == 0) r->options.max_steps = DEFAULT_STEPS;
+  r->options.max_steps = gh_rve_step_limit(options);
   gh_boundary b = options->boundary;
   r->relaxes = b == GH_RESTRICTED || b == GH_PERIODIC;
   r->turns = options->law.friction && !options->law.fixed_rotations;
@@ -160,14 +165,22 @@ static gh_status begin_increment(gh_rve *r) {
   return GH_OK;
 }
 
-/* Grains are guessed to turn with the body: by the rotation of the increment's F Fn^-1. Where they slide, there are many
- * equilibria, and a guess that stays behind would end in one that a rigid rotation does not have. */
+/* Grains are guessed to turn with the body: by the rotation of the increment's F Fn^-1. Where they slide,
+ * there are many equilibria, and a guess that stays behind would end in one that a rigid rotation does not
+ * have. */
 static void guess_rotations(gh_rve *r) {
   double f[4], inverse[4];
   gh_inv2(r->Fn, inverse);
   gh_mul2(r->F, inverse, f);
   double turn = r->turns ? atan2(f[2] - f[1], f[0] + f[3]) : 0;
   for (int i = 0; i < r->n; i++) r->theta[i] = r->thetan[i] + turn;
+}
+
+static gh_status advance_history(gh_rve *r) {
+  double start = gh_seconds();
+  GH_TRY(gh_slips_advance(r->ctx, &r->history, &r->list, r->options.law.hardening > 0, &r->trial_history));
+  r->cost.history += gh_seconds() - start;
+  return GH_OK;
 }
 
 static gh_status evaluate(gh_rve *r, unsigned want, double A[16]) {
@@ -179,9 +192,7 @@ static gh_status evaluate(gh_rve *r, unsigned want, double A[16]) {
   if (r->relaxes) pull_back(r);
   if (gh_rve_solves(r)) GH_TRY(gh_rve_find_rattlers(r)); /* they serve the sums and the tangent */
   GH_TRY(gh_rve_sums(r));
-  if (gh_rve_friction(r))
-    GH_TRY(
-        gh_history_advance(r->ctx, &r->history, &r->list, r->options.law.hardening > 0, &r->trial_history));
+  if (gh_rve_friction(r)) GH_TRY(advance_history(r));
   if (!(want & GH_WANT_TANGENT)) return GH_OK;
   return gh_rve_friction(r) ? gh_rve_tangent_friction(r, A) : gh_rve_tangent(r, A);
 }
@@ -213,7 +224,7 @@ gh_status gh_rve_commit(gh_rve *r) {
   r->trial = false;
   if (!gh_rve_friction(r)) return GH_OK;
   memcpy(r->thetan, r->theta, (size_t)r->n * sizeof(double));
-  gh_history swap = r->history;
+  gh_slips swap = r->history;
   r->history = r->trial_history;
   r->trial_history = swap;
   r->dissipatedn = r->dissipated;
@@ -240,13 +251,16 @@ void gh_rve_costs(const gh_rve *r, gh_rve_cost *cost) {
     cost->factorisations = r->coupled->factorisations;
     cost->analyses = r->coupled->analyses;
   }
+  gh_engine_cost engine;
+  gh_engine_costs(r->engine, &engine);
+  cost->history += engine.history_seconds;
 }
 
 /* A state is F, positions y; and with friction rotations, the dissipation, the number of slips and the slips.
  */
 enum { SLIP = 7 };
 
-static size_t state_size(const gh_rve *r, const gh_history *h) {
+static size_t state_size(const gh_rve *r, const gh_slips *h) {
   size_t n = (size_t)r->n, basic = 4 + 2 * n;
   return gh_rve_friction(r) ? basic + n + 2 + SLIP * (size_t)h->count : basic;
 }
@@ -256,7 +270,7 @@ static void save(const gh_rve *r, bool trial, double *state) {
   memcpy(state, trial ? r->F : r->Fn, 4 * sizeof *state);
   memcpy(state + 4, trial ? r->y : r->yn, 2 * n * sizeof *state);
   if (!gh_rve_friction(r)) return;
-  const gh_history *h = trial ? &r->trial_history : &r->history;
+  const gh_slips *h = trial ? &r->trial_history : &r->history;
   double *more = state + 4 + 2 * n;
   memcpy(more, trial ? r->theta : r->thetan, n * sizeof *state);
   more[n] = trial ? r->dissipated : r->dissipatedn;
@@ -288,7 +302,7 @@ gh_status gh_rve_save_trial(const gh_rve *r, double *state) {
 }
 
 static gh_status check_state(const gh_rve *r, const double *state, size_t size) {
-  size_t n = (size_t)r->n, least = state_size(r, &(gh_history){0}), slips = size - least;
+  size_t n = (size_t)r->n, least = state_size(r, &(gh_slips){0}), slips = size - least;
   bool fits = gh_rve_friction(r) ? size >= least && slips % SLIP == 0 : size == least;
   if (!fits)
     return gh_fail(r->ctx, GH_INPUT,
@@ -304,7 +318,7 @@ static gh_status check_state(const gh_rve *r, const double *state, size_t size) 
 }
 
 static gh_status load_history(gh_rve *r, const double *from, int count) {
-  gh_history *h = &r->history;
+  gh_slips *h = &r->history;
   GH_TRY(gh_grow(r->ctx, (size_t)count + 1, sizeof(gh_slip), &h->capacity, &h->slips));
   h->count = 0;
   for (const double *q = from; h->count < count; q += SLIP) {

@@ -63,8 +63,7 @@ gh_status gh_rve_tangent_friction(gh_rve *r, double A[16]) {
   const double *X = NULL;
   if (gh_rve_solves(r)) {
     bool regular;
-    r->shift = 0;
-    GH_TRY(gh_rve_factorise_coupled(r, &regular));
+    GH_TRY(gh_rve_factorise_coupled(r, true, &regular));
     r->m.regularised = r->shift > 0;
     if (!regular) return gh_fail(r->ctx, GH_DIVERGED, "the stiffness of the packing is singular");
     memset(r->coupled->rhs, 0, 4 * (size_t)r->coupled->n * sizeof(double));

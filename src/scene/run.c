@@ -93,19 +93,12 @@ static gh_status write_frame(run *r, const gh_macro_report *report) {
 
 /* ---- checkpoints ---- */
 
-static void add_cost(gh_rve_cost *sum, const gh_rve_cost *more) {
-  sum->set += more->set, sum->relax += more->relax, sum->contacts += more->contacts,
-      sum->factorise += more->factorise, sum->total += more->total;
-  sum->evaluations += more->evaluations, sum->steps += more->steps,
-      sum->factorisations += more->factorisations, sum->analyses += more->analyses;
-}
-
 /* What the farm and the clock know goes into the summary. */
 static void sum_up(run *r) {
   const gh_farm_counts *old = &r->before.farm;
   gh_farm_counts *now = &r->sum.farm;
   gh_farm_costs(r->farm, &r->sum.cost);
-  add_cost(&r->sum.cost, &r->before.cost);
+  gh_rve_cost_add(&r->sum.cost, &r->before.cost);
   gh_farm_count(r->farm, now);
   now->evaluations += old->evaluations, now->steps += old->steps, now->factorisations += old->factorisations;
   now->computed += old->computed, now->moved += old->moved;

@@ -548,24 +548,26 @@ static void no_friction(void **state) {
   const double F[4] = {0.999, 0, 0, 1};
   double x[2][2 * MOST], theta[MOST];
   gh_relax_result r[2];
-  gh_contact_list list[2];
+  double force[2][2 * MOST];
+  int count[2];
   case_sample(ctx, "p150d", F, &s);
   gh_contact_law smooth = hard(0);
   smooth.friction = 0;
   gh_engine *g[2] = {make_engine(ctx, &s, hard(0), NULL), make_engine(ctx, &s, smooth, NULL)};
   for (int k = 0; k < 2; k++) {
     put(ctx, g[k], &s);
-    OK(gh_engine_contacts(g[k], &list[k]));
+    gh_contact_list list;
+    OK(gh_engine_contacts(g[k], &list));
+    assert_true((list.friction != NULL) == (k == 0) && (list.moment != NULL) == (k == 0));
+    memcpy(force[k], list.force, 2 * (size_t)s.n * sizeof(double));
+    count[k] = list.count;
     r[k] = relax(ctx, g[k], 1e-9);
   }
-  assert_int_equal(list[0].count, list[1].count);
-  NEAR("forces", distance(list[0].force, list[1].force, 2 * s.n), 0, 1e-13);
-  assert_null(list[1].friction);
-  assert_null(list[1].moment);
+  assert_int_equal(count[0], count[1]);
+  NEAR("forces", distance(force[0], force[1], 2 * s.n), 0, 1e-13);
   OK(gh_engine_get(g[0], x[0], theta));
   OK(gh_engine_get(g[1], x[1], NULL));
   assert_true(r[0].converged && r[1].converged);
-  print_message("steps: %ld with friction 0, %ld without friction\n", r[0].steps, r[1].steps);
   NEAR("positions", distance(x[0], x[1], 2 * s.n), 0, 1e-9 * s.radius[0]);
   assert_memory_equal(theta, s.theta, (size_t)s.n * sizeof(double));
   gh_engine_destroy(&g[0]);

@@ -25,9 +25,9 @@ static gh_rve *open_rve(gh_context *ctx, const gh_packing *p, const problem *q) 
   return rve;
 }
 
-/* Shear after compression, `s` in steps of 1. */
+/* Shear with compression, `s` in steps of 1. */
 static void deformation(double s, double F[4]) {
-  F[0] = 1 - 0.002 * s, F[1] = 0.003 * s, F[2] = -0.0005 * s, F[3] = 1 - 0.001 * s;
+  F[0] = 1 - 0.0008 * s, F[1] = 0.0012 * s, F[2] = -0.0002 * s, F[3] = 1 - 0.0004 * s;
 }
 
 static void walk(gh_context *ctx, gh_rve *rve, double from, double to, int steps) {
@@ -117,7 +117,7 @@ static double energy_defect(gh_context *ctx, const gh_packing *p, const problem 
   OK(gh_rve_commit(rve));
   double start = gh_rve_measure(rve)->energy;
   for (int k = 1; k <= steps; k++) {
-    deformation(4.0 * k / steps, F);
+    deformation(10.0 * k / steps, F);
     OK(gh_rve_evaluate(rve, F, 0, P, NULL));
     OK(gh_rve_commit(rve));
     for (int i = 0; i < 4; i++) work += 0.5 * (P[i] + P0[i]) * (F[i] - F0[i]);
@@ -145,12 +145,13 @@ static void energies(void **state) {
 /* A packing that is sheared and then turned as a whole, in one increment: relative change of the Cauchy
  * stress in the turned frame, and the defect of the slip of (7.5) over the mean radius for comparison
  * (method 8.7). */
-static double rotated_change(gh_context *ctx, gh_rve *rve, double angle) {
+static double rotated_change(gh_rve *rve, double angle) {
   double F[4], P[4], before[4], Q[4] = {cos(angle), -sin(angle), sin(angle), cos(angle)}, QT[4], s[4];
   memcpy(before, gh_rve_measure(rve)->cauchy, sizeof before);
-  deformation(4, F);
+  deformation(10, F);
   gh_mul2(Q, F, F);
-  OK(gh_rve_evaluate(rve, F, 0, P, NULL));
+  if (gh_rve_evaluate(rve, F, 0, P, NULL) == GH_DIVERGED)
+    return INFINITY; /* (7.5) may leave no equilibrium */
   gh_inv2(Q, QT);
   gh_mul2(QT, gh_rve_measure(rve)->cauchy, s);
   gh_mul2(s, Q, s);
@@ -169,8 +170,8 @@ static void rigid_rotations(void **state) {
       print_message("%-12s %-10s", gh_boundary_name(q.boundary), slip ? "objective" : "projected");
       for (int k = 0; k < 7; k++) {
         gh_rve *rve = open_rve(ctx, p, &q);
-        walk(ctx, rve, 0, 4, 40);
-        double change = rotated_change(ctx, rve, degrees[k] * help_pi / 180);
+        walk(ctx, rve, 0, 10, 40);
+        double change = rotated_change(rve, degrees[k] * help_pi / 180);
         print_message("  %g: %.1e", degrees[k], change);
         if (slip) assert_true(change < 1e-8);
         else projected[k] = change;
@@ -178,7 +179,7 @@ static void rigid_rotations(void **state) {
       }
       print_message("\n");
     }
-  assert_true(projected[4] > 0.1); /* 30 degrees at once are out of the question with (7.5) */
+  assert_true(projected[4] > 5e-3 && projected[4] > 20 * projected[2]); /* periodic: 30 degrees, 5 degrees */
   gh_packing_destroy(&p);
 }
 
@@ -232,7 +233,7 @@ static void limits(void **state) {
     double s[4][4];
     for (int k = 0; k < 4; k++) {
       gh_rve *rve = open_rve(ctx, p, all[k]);
-      walk(ctx, rve, 0, 4, 8);
+      walk(ctx, rve, 0, 10, 20);
       memcpy(s[k], gh_rve_measure(rve)->cauchy, sizeof s[k]);
       gh_rve_destroy(&rve);
     }

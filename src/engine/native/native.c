@@ -81,7 +81,11 @@ static gh_status find_pairs(native *e) {
   GH_TRY(gh_neighbours_find(e->ctx, &e->nb, e->n, e->x, e->radius, e->periodic ? e->cell : NULL, e->skin));
   memcpy(e->x0, e->x, 2 * (size_t)e->n * sizeof(double));
   e->cost.rebuilds++;
-  if (e->law.friction) GH_TRY(gh_history_recall(e->ctx, &e->history, &e->nb));
+  if (e->law.friction) {
+    double start = gh_seconds();
+    GH_TRY(gh_history_recall(e->ctx, &e->history, &e->nb));
+    e->cost.history_seconds += gh_seconds() - start;
+  }
   const int npairs = (int)e->nb.npairs;
   const size_t work = e->law.friction ? gh_relax_friction_work(e->n, npairs) : gh_relax_work(e->n, npairs);
   return gh_grow(e->ctx, work, sizeof(double), &e->work_capacity, &e->work);
@@ -89,7 +93,10 @@ static gh_status find_pairs(native *e) {
 
 static gh_status native_begin(void *self, const gh_converged *state) {
   native *e = self;
-  return gh_history_begin(e->ctx, &e->history, e->n, e->periodic, state);
+  double start = gh_seconds();
+  GH_TRY(gh_history_begin(e->ctx, &e->history, e->n, e->periodic, state));
+  e->cost.history_seconds += gh_seconds() - start;
+  return GH_OK;
 }
 
 /* Grains that do not rotate stay as they were at n, whatever is asked for. */
