@@ -19,8 +19,8 @@ start: {confinement: 0.3}
 mesh: {rectangle: {size: [10, 10], elements: [2, 2]}}
 supports: [{edge: left, fix: x}, {edge: bottom, fix: y}]
 steps:
-  - {name: press, increments: 8, pressure: [{edge: right, to: 0.32, follow: true}, {edge: top, to: 0.31}]}
-  - {name: shear, increments: 22, displace: [{edge: top, x: 0.1}]}
+  - {name: press, increments: 4, pressure: [{edge: right, to: 0.32, follow: true}, {edge: top, to: 0.31}]}
+  - {name: shear, increments: 8, displace: [{edge: top, x: 0.1}]}
 E
 begin=$(date +%s%N)
 "$granhom" run scene.yaml -o whole --quiet 2>err; say $? 'the undisturbed run'
