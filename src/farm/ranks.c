@@ -176,13 +176,22 @@ gh_status farm_take_status(farm_message *m, gh_context *ctx) {
 }
 
 /* The arrays of a view: name, numbers for each of what. Those that hold doubles come first, so that each is
- * aligned for its type where it stands in the message. */
+ * aligned for its type where it stands in the message. Arrays that a view does not have are NULL on both
+ * sides. */
+_Static_assert(sizeof(gh_contact) % sizeof(double) == 0 && sizeof(gh_friction) % sizeof(double) == 0,
+               "arrays behind one another stay aligned");
 #define VIEW_ARRAYS(X)                                                                                       \
-  X(x, 2, n) X(radius, 1, n) X(contacts, 1, ncontacts) X(grain, 1, n) X(type, 1, n) X(id, 1, n) X(flags, 1, n)
+  X(x, 2, n)                                                                                                 \
+  X(radius, 1, n)                                                                                            \
+  X(theta, 1, n)                                                                                             \
+  X(contacts, 1, ncontacts)                                                                                  \
+  X(friction, 1, ncontacts)                                                                                  \
+  X(grain, 1, n) X(type, 1, n) X(id, 1, n) X(flags, 1, n)
 
 void farm_put_view(farm_message *m, const gh_rve_view *v) {
   farm_put(m, v, sizeof *v);
-#define PUT(name, times, count) farm_put(m, v->name, times *(size_t)v->count * sizeof *v->name);
+#define PUT(name, times, count)                                                                              \
+  if (v->name) farm_put(m, v->name, times *(size_t)v->count * sizeof *v->name);
   VIEW_ARRAYS(PUT)
 #undef PUT
 }
@@ -190,8 +199,10 @@ void farm_put_view(farm_message *m, const gh_rve_view *v) {
 bool farm_take_view(farm_message *m, gh_rve_view *v) {
   bool whole = farm_take(m, v, sizeof *v);
 #define TAKE(name, times, count)                                                                             \
-  v->name = whole ? farm_take_place(m, times * (size_t)v->count * sizeof *v->name) : NULL;                   \
-  whole = whole && (v->name || v->count == 0);
+  if (whole && v->name) {                                                                                    \
+    v->name = farm_take_place(m, times * (size_t)v->count * sizeof *v->name);                                \
+    whole = v->name != NULL;                                                                                 \
+  }
   VIEW_ARRAYS(TAKE)
 #undef TAKE
   return whole;

@@ -129,6 +129,22 @@ typedef struct choice {
   char x_label[200], force_label[256];
 } choice;
 
+/* The settlement of the first footing and the force on it, where there is one and nothing is driven. */
+static bool choose_footing(const history *h, const char *unit, const char *force_unit, choice *c) {
+  static const char key[] = "footing_uy_";
+  const char *at = strstr(h->header, key);
+  char set[64], name[96];
+  if (!at || sscanf(at + strlen(key), "%63[^,]", set) != 1) return false;
+  snprintf(name, sizeof name, "%s%s", key, set);
+  c->x = column(h->header, name);
+  snprintf(name, sizeof name, "footing_fy_%s", set);
+  c->force = column(h->header, name);
+  c->sign = -1;
+  snprintf(c->x_label, sizeof c->x_label, "settlement of the footing%s", unit);
+  snprintf(c->force_label, sizeof c->force_label, "force on the footing in y%s", force_unit);
+  return true;
+}
+
 static gh_status choose(gh_context *ctx, const history *h, const scene_labels *l, choice *c) {
   char name[128], unit[80] = "", force_unit[80] = "";
   if (*l->length) snprintf(unit, sizeof unit, " (%s)", l->length);
@@ -141,14 +157,18 @@ static gh_status choose(gh_context *ctx, const history *h, const scene_labels *l
     snprintf(c->x_label, sizeof c->x_label, "displacement of %s in %s%c%s", l->driven_set,
              c->sign < 0 ? "-" : "", l->driven_direction, unit);
     snprintf(name, sizeof name, "%s_%c", l->driven_set, l->driven_direction);
+  } else if (choose_footing(h, unit, force_unit, c)) {
+    *name = 0;
   } else {
     c->x = column(h->header, "time");
     snprintf(c->x_label, sizeof c->x_label, "load steps");
     snprintf(name, sizeof name, "bottom_y");
   }
-  c->force = column(h->header, name);
-  snprintf(c->force_label, sizeof c->force_label, "support force on %.*s in %c%s", (int)strlen(name) - 2,
-           name, name[strlen(name) - 1], force_unit);
+  if (*name) {
+    c->force = column(h->header, name);
+    snprintf(c->force_label, sizeof c->force_label, "support force on %.*s in %c%s", (int)strlen(name) - 2,
+             name, name[strlen(name) - 1], force_unit);
+  }
   c->dilatancy = column(h->header, "dilatancy");
   if (c->x < 0 || c->dilatancy < 0)
     return gh_fail(ctx, GH_INPUT, "history.csv lacks the columns to draw (time, dilatancy)");
@@ -253,4 +273,13 @@ gh_status gh_picture_convergence(gh_context *ctx, const char *folder, const char
   gh_csv_destroy(&csv);
   free(path);
   return status;
+}
+
+/* ---- drawings of others ---- */
+
+gh_status gh_picture_script(gh_context *ctx, const char *commands, int width, int height, const char *png) {
+  drawing d = {0};
+  gh_status status = drawing_begin(ctx, png, width, height, &d);
+  if (status == GH_OK) fputs(commands, d.out);
+  return drawing_end(ctx, &d, png, status);
 }

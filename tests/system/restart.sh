@@ -24,6 +24,7 @@ steps:
   - {name: weight, increments: 2, gravity: {to: [0, -0.001]}, forces: [{set: top, to: [0.001, 0]}]}
   - {name: drive, increments: 4, displace: [{edge: top, y: -0.03}]}
   - {name: free, increments: 3, release: [{edge: top, free: y}], pressure: [{edge: top, to: 0.35}]}
+  - {name: found, increments: 2, footing: [{edge: top, eccentricity: 1, to: [0, -0.2]}]}
 E
 cat >same.py <<'E'
 """same.py A B: the files of two runs, apart from seconds."""

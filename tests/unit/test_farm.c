@@ -68,11 +68,8 @@ static gh_rve_options law(gh_engine_kind e, gh_boundary boundary, bool friction)
   return o;
 }
 
-/* Kinds of material: four boundary conditions, without and with friction. The LAMMPS engine has no friction
- * yet. */
-static int kinds(gh_engine_kind e) {
-  return e == GH_ENGINE_NATIVE ? 8 : 4;
-}
+/* Four boundary conditions, without and with friction. */
+enum { KINDS = 8 };
 
 static void same(const record *a, const record *b) {
   assert_memory_equal(a, b, sizeof *a);
@@ -83,7 +80,7 @@ static void sharing_and_pools_change_no_bit(void **state) {
   gh_context *ctx = *state;
   gh_packing *p = case_packing(ctx, "p20");
   FOR_ENGINES(e)
-  for (int kind = 0; kind < kinds(e); kind++) {
+  for (int kind = 0; kind < KINDS; kind++) {
     gh_farm_setup setup = {.n = POINTS,
                            .npackings = 1,
                            .packings = (const gh_packing *const[]){p},
@@ -171,7 +168,7 @@ static void an_image_goes_on(void **state) {
   gh_context *ctx = *state;
   gh_packing *p = case_packing(ctx, "p20");
   FOR_ENGINES(e)
-  for (int kind = 0; kind < kinds(e); kind++) {
+  for (int kind = 0; kind < KINDS; kind++) {
     gh_farm_setup setup = {.n = POINTS,
                            .npackings = 1,
                            .packings = (const gh_packing *const[]){p},
