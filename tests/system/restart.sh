@@ -24,7 +24,18 @@ steps:
   - {name: weight, increments: 2, gravity: {to: [0, -0.001]}, forces: [{set: top, to: [0.001, 0]}]}
   - {name: drive, increments: 4, displace: [{edge: top, y: -0.03}]}
   - {name: free, increments: 3, release: [{edge: top, free: y}], pressure: [{edge: top, to: 0.35}]}
-  - {name: found, increments: 2, footing: [{edge: top, eccentricity: 1, to: [0, -0.2]}]}
+E
+# A footing whose load moves
+cat >footing.yaml <<'E'
+packing: p20.data
+contact: {normal_stiffness: 50}
+micro: {boundary: periodic, engine: native}
+start: {balance: true}
+mesh: {rectangle: {size: [10, 10], elements: [2, 2]}}
+supports: [{edge: bottom, fix: both}]
+steps:
+  - {name: settle, increments: 3, footing: [{edge: top, force: [0, -0.1]}]}
+  - {name: tilt, increments: 3, footing: [{edge: top, eccentricity: 1, force: [0.01, -0.2]}]}
 E
 cat >same.py <<'E'
 """same.py A B: the files of two runs, apart from seconds."""
@@ -56,7 +67,7 @@ assert sums[0]["summary"] == sums[1]["summary"] and sums[1]["status"] == "done",
 E
 same() { /usr/bin/python3 same.py "$1" "$2" 2>err; say $? "$3"; }
 
-"$granhom" run all.yaml -o whole --quiet 2>err; say $? 'the undisturbed run'
+"$granhom" run all.yaml -o whole --quiet 2>err; code=$?; say $code 'the undisturbed run'; [ $code = 0 ] || exit 1
 
 # go DIR SIGNAL OPTIONS: stopped and restarted again and again until it is done; stops: how often it was stopped
 go() {
@@ -64,8 +75,9 @@ go() {
   shift 2
   stops=0
   while [ $stops -lt 40 ]; do
-    local lines=$(wc -l 2>/dev/null <"$dir/history.csv" || echo 0)
-    "$granhom" run all.yaml -o "$dir" --quiet --restart "$@" 2>err &
+    local lines
+    lines=$(wc -l 2>/dev/null <"$dir/history.csv" || echo 0)
+    "$granhom" run "${scene:-all.yaml}" -o "$dir" --quiet --restart "$@" 2>err &
     local pid=$!
     for _ in $(seq 300); do # until there is another row
       [ "$(wc -l 2>/dev/null <"$dir/history.csv" || echo 0)" -gt "$lines" ] && break
@@ -86,6 +98,10 @@ same whole term 'all files are those of the undisturbed run'
 go int INT --checkpoint-every 4 --no-share; say $? "stopped by SIGINT and restarted $stops times, with a checkpoint each 4 increments, no sharing"
 [ $stops -gt 3 ]; say $? 'which were more than three: stopping writes one too'
 same whole int 'all files are those of the undisturbed run'
+
+"$granhom" run footing.yaml -o footed --quiet 2>err; say $? 'the undisturbed run with a footing'
+scene=footing.yaml go foot TERM; say $? "stopped by SIGTERM and restarted $stops times"
+same footed foot 'all files are those of the undisturbed run'
 
 # --- the file itself ---
 "$granhom" run all.yaml -o term --quiet --restart 2>err; say $? 'restarting a complete run does nothing'
