@@ -10,9 +10,10 @@ struct scene_results {
   gh_farm *farm;
   gh_macro *macro;
   char *folder;
-  gh_text *history, *convergence, *xdmf;
-  bool begun; /* the folder is there */
-  int frames; /* complete increments on disk */
+  gh_text *history, *convergence, *timing, *xdmf;
+  bool begun;             /* the folder is there */
+  gh_farm_counts counted; /* by the farm up to the last row of history.csv */
+  int frames;             /* complete increments on disk */
   int unjammed;
   double min_acoustic;
   int most_loaded,

@@ -6,9 +6,9 @@
 
 static gh_status put_rve(scene_results *r, gh_h5 *file, int point) {
   gh_rve_view v;
-  gh_rve *rve = gh_farm_rve(r->farm, point);
-  if (!rve) return GH_OK;
-  GH_TRY(gh_rve_look(rve, &v));
+  const gh_rve_measures *measure = gh_farm_measure(r->farm, point);
+  if (!measure) return GH_OK;
+  GH_TRY(gh_farm_look(r->farm, point, &v));
   size_t n = (size_t)v.n, nc = (size_t)v.ncontacts, most = n > nc ? n : nc;
   char name[64];
   double *row = NULL;
@@ -28,7 +28,7 @@ static gh_status put_rve(scene_results *r, gh_h5 *file, int point) {
   PUT(doubles, "cell", 1, 4, v.cell);
   PUT(doubles, "low", 1, 2, v.low);
   PUT(ints, "periodic", 1, 1, &periodic);
-  PUT(doubles, "cauchy", 1, 4, gh_rve_measure(rve)->cauchy);
+  PUT(doubles, "cauchy", 1, 4, measure->cauchy);
   for (size_t k = 0; k < nc; k++) {
     pairs[2 * k] = v.contacts[k].i, pairs[2 * k + 1] = v.contacts[k].j;
     memcpy(row + 4 * k, v.contacts[k].l, 2 * sizeof *row);
