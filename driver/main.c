@@ -6,7 +6,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const cli_command *const commands[] = {&cli_run, &cli_rve, &cli_pack, &cli_plot, &cli_lammps};
+static const cli_command *const commands[] = {&cli_run,  &cli_rve,    &cli_pack,
+                                              &cli_plot, &cli_report, &cli_lammps};
 enum { COMMANDS = sizeof commands / sizeof *commands };
 
 static void print_help(FILE *out) {

@@ -64,10 +64,10 @@ typedef struct gh_run_summary {
   double micro_seconds, results_seconds, seconds;
 } gh_run_summary;
 
-/* Runs all steps and writes results.h5, results.xdmf, rves.h5, history.csv, convergence.csv and run.json into
- * `folder`, which is made after the first equilibrium. After each increment all files are whole. GH_INPUT:
- * the scene cannot be run (nothing is written when that shows at the start); GH_DIVERGED: names step and
- * increment; what was complete before is on disk. `summary` may be NULL. */
+/* Runs all steps and writes results.h5, results.xdmf, points.xdmf, rves.h5, traces.h5, dumps, history.csv,
+ * convergence.csv and run.json into `folder`, which is made after the first equilibrium. After each increment
+ * all files are whole. GH_INPUT: the scene cannot be run (nothing is written when that shows at the start);
+ * GH_DIVERGED: names step and increment; what was complete before is on disk. `summary` may be NULL. */
 gh_status gh_scene_run(gh_scene *scene, const char *folder, const gh_run_options *options,
                        gh_run_summary *summary);
 /* The summary in words, a few lines. */
@@ -86,6 +86,15 @@ gh_status gh_picture_rve(gh_context *ctx, const char *folder, int point, const c
 gh_status gh_picture_curves(gh_context *ctx, const char *folder, const char *png);
 /* Residuals over the iterations of the last increments. Needs gnuplot. */
 gh_status gh_picture_convergence(gh_context *ctx, const char *folder, const char *png);
+
+/* ---- a report ---- */
+
+/* One self-contained HTML page about a folder of results: outcome, curves, fields on the mesh, packings of
+ * npoints integration points (at most 12; npoints 0: the largest von Mises stress, the smallest acoustic
+ * eigenvalue, the first), residuals, times. GH_INPUT: no results, damaged files, a point that does not exist;
+ * nothing is written then. */
+gh_status gh_report_write(gh_context *ctx, const char *folder, const int *points, int npoints,
+                          const char *html);
 
 #ifdef __cplusplus
 }

@@ -121,6 +121,12 @@ int scene_results_unjammed(const scene_results *r, double *min_acoustic);
 
 /* measures.c: what is derived from stresses */
 double scene_mises(const double cauchy[4]);
+/* Which corner of element e the Gauss point at x belongs to. */
+int scene_gauss_corner(const gh_mesh *mesh, int e, const double x[2]);
+/* points: npoints x cols. nodes: nnodes x cols, extrapolated to the corners of the elements and averaged over
+ * the elements. */
+gh_status scene_nodal_average(gh_context *ctx, const gh_mesh *mesh, int cols, const double *points,
+                              double *nodes);
 /* cauchy: npoints x 4. nodes: nnodes, from stresses extrapolated to the corners and averaged over the
  * elements. */
 gh_status scene_nodal_mises(gh_context *ctx, const gh_mesh *mesh, const double *cauchy, double *nodes);
