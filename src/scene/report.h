@@ -96,6 +96,7 @@ void report_density(int n, const double *x, const double *weight, double influen
 gh_status report_verdict(report *r);     /* report_words.c */
 gh_status report_options(report *r);     /* report_words.c */
 gh_status report_curves(report *r);      /* report_curves.c */
+gh_status report_iterations(report *r);  /* report_curves.c; a part of the convergence */
 gh_status report_fields(report *r);      /* report_mesh.c */
 gh_status report_packings(report *r);    /* report_rve.c */
 gh_status report_convergence(report *r); /* report_tables.c */

@@ -6,7 +6,7 @@
 static const double PI = 3.14159265358979323846;
 
 /* The page of a chart, in units that are pixels on a screen of common width. */
-enum { WIDTH = 460, HEIGHT = 310, LEFT = 64, RIGHT = 14, TOP = 30, BOTTOM = 50, MOST_MARKERS = 400 };
+enum { WIDTH = 420, HEIGHT = 290, LEFT = 60, RIGHT = 12, TOP = 30, BOTTOM = 48, MOST_MARKERS = 400 };
 
 void report_escape(gh_text *out, const char *text) {
   for (; *text; text++) {
@@ -169,13 +169,13 @@ static void print_bars(gh_text *out, const report_chart *c, const axes *a, const
 
 static void print_key(gh_text *out, const report_chart *c) {
   if (c->nseries < 2 && c->nmarks == 0) return;
-  gh_text_print(out, "<span class=\"key\">");
+  gh_text_print(out, "<div class=\"key\">");
   for (int k = 0; k < (c->nmarks ? c->nmarks : c->nseries); k++) {
     gh_text_print(out, "<span><i class=\"f%d\"></i>", k % 6 + 1);
     report_escape(out, c->nmarks ? c->mark_names[k] : c->series[k].name);
     gh_text_print(out, "</span>");
   }
-  gh_text_print(out, "</span>");
+  gh_text_print(out, "</div>");
 }
 
 void report_draw_chart(gh_text *out, const report_chart *c) {
@@ -183,7 +183,6 @@ void report_draw_chart(gh_text *out, const report_chart *c) {
   find_axes(c, &a);
   gh_text_print(out, "<figure><figcaption>");
   report_escape(out, c->title);
-  print_key(out, c);
   gh_text_print(out, "</figcaption><svg viewBox=\"0 0 %d %d\" role=\"img\" aria-label=\"", WIDTH, HEIGHT);
   report_escape(out, c->title);
   gh_text_print(out, "\">");
@@ -195,7 +194,9 @@ void report_draw_chart(gh_text *out, const report_chart *c) {
     else print_line(out, &a, s, colour);
     if (!c->bars && s->n <= MOST_MARKERS) print_markers(out, c, &a, s, colour);
   }
-  gh_text_print(out, "</svg></figure>\n");
+  gh_text_print(out, "</svg>");
+  print_key(out, c);
+  gh_text_print(out, "</figure>\n");
 }
 
 /* ---- shares of a whole ---- */
@@ -243,25 +244,26 @@ void report_draw_polar(gh_text *out, int m, const double *contacts, const double
   double most = 1.5;
   for (int k = 0; k < m; k++) most = fmax(most, fmax(contacts[k], forces[k]));
   double scale = RADIUS / most, ring = most > 4 ? ceil(most / 4) : most > 2 ? 1 : 0.5;
-  gh_text_print(
-      out,
-      "<figure><figcaption>Density of contacts and of forces over the direction<span class=\"key\">"
-      "<span><i class=\"f1\"></i>contacts</span><span><i class=\"f2\"></i>forces (dashed)</span></span>"
-      "</figcaption><svg viewBox=\"0 0 %d %d\" role=\"img\" aria-label=\"density functions\">",
-      POLAR, POLAR);
+  gh_text_print(out,
+                "<figure><figcaption>Densities over the direction</figcaption><svg viewBox=\"0 0 %d %d\" "
+                "role=\"img\" aria-label=\"density functions\">",
+                POLAR, POLAR);
   for (int k = 0; k < 12; k++)
     gh_text_print(out, "<path class=\"gr\" d=\"M%d %dL%.1f %.1f\"/>", POLAR / 2, POLAR / 2,
                   POLAR / 2 + RADIUS * cos(PI * k / 6), POLAR / 2 - RADIUS * sin(PI * k / 6));
   for (double v = ring; v <= most * 1.0001; v += ring)
-    gh_text_print(out, "<circle class=\"%s\" cx=\"%d\" cy=\"%d\" r=\"%.1f\"/>", v == 1 ? "ax" : "gr",
-                  POLAR / 2, POLAR / 2, v * scale);
+    gh_text_print(out, "<circle class=\"gr\" cx=\"%d\" cy=\"%d\" r=\"%.1f\"/>", POLAR / 2, POLAR / 2,
+                  v * scale);
+  gh_text_print(out, "<circle class=\"ax\" cx=\"%d\" cy=\"%d\" r=\"%.1f\"/>", POLAR / 2, POLAR / 2, scale);
   print_polar(out, m, contacts, scale, 1, "");
   print_polar(out, m, forces, scale, 2, " stroke-dasharray=\"6 3\"");
   for (double v = ring; v <= most * 1.0001; v += ring)
-    gh_text_print(out, "<text class=\"s\" style=\"font-size:11px\" x=\"%.1f\" y=\"%.1f\">%.3g</text>",
+    gh_text_print(out, "<text class=\"s ring\" x=\"%.1f\" y=\"%.1f\">%.3g</text>",
                   POLAR / 2 + v * scale * cos(PI / 12) + 2, POLAR / 2 - v * scale * sin(PI / 12), v);
-  gh_text_print(out,
-                "<text class=\"s\" x=\"%d\" y=\"%d\">x</text><text class=\"s m\" x=\"%d\" y=\"14\">y</text>"
-                "</svg></figure>\n",
-                POLAR - 14, POLAR / 2 + 4, POLAR / 2);
+  gh_text_print(
+      out,
+      "<text class=\"s\" x=\"%d\" y=\"%d\">x</text><text class=\"s m\" x=\"%d\" y=\"14\">y</text>"
+      "</svg><div class=\"key\"><span><i class=\"f1\"></i>contacts</span><span><i class=\"f2\"></i>"
+      "forces (dashed)</span></div><p class=\"note\">Dark circle: the same in all directions.</p></figure>\n",
+      POLAR - 14, POLAR / 2 + 4, POLAR / 2);
 }

@@ -6,7 +6,7 @@
 /* A column of history.csv from the increment `first` on; `number` turns a row into a value. */
 typedef struct columns {
   int n, first;
-  double *x, *force, *dilatancy, *increment, *iterations, *residual;
+  double *x, *force, *dilatancy, *increment, *iterations, *residual, *acoustic;
   int *mark, *jump; /* colours: 2 a packing jumped in the increment, 3 it was cut; jump: the first alone */
   double *memory;
 } columns;
@@ -17,15 +17,17 @@ static gh_status take_columns(report *r, columns *c) {
   *c = (columns){.n = r->n, .first = r->curve.first};
   GH_TRY(gh_alloc(r->ctx, 2 * n, sizeof *c->mark, &c->mark));
   c->jump = c->mark + n;
-  GH_TRY(gh_alloc(r->ctx, 6 * n, sizeof *c->memory, &c->memory));
-  double **const at[] = {&c->x, &c->force, &c->dilatancy, &c->increment, &c->iterations, &c->residual};
-  for (size_t k = 0; k < 6; k++) *at[k] = c->memory + k * n;
+  GH_TRY(gh_alloc(r->ctx, 7 * n, sizeof *c->memory, &c->memory));
+  double **const at[] = {&c->x,          &c->force,    &c->dilatancy, &c->increment,
+                         &c->iterations, &c->residual, &c->acoustic};
+  for (size_t k = 0; k < 7; k++) *at[k] = c->memory + k * n;
   for (int k = 0; k < r->n; k++) {
     c->x[k] = r->curve.sign * scene_table_number(h, k, r->curve.x);
     c->force[k] = r->curve.force < 0 ? NAN : fabs(scene_table_number(h, k, r->curve.force));
     c->dilatancy[k] = scene_table_number(h, k, r->curve.dilatancy);
     c->increment[k] = k;
     c->iterations[k] = report_history(r, k, "iterations");
+    c->acoustic[k] = report_history(r, k, "min_acoustic");
     c->residual[k] = report_history(r, k, "residual");
     c->jump[k] = report_history(r, k, "jumps") > 0 ? 2 : 0;
     c->mark[k] = c->jump[k] ? c->jump[k] : report_history(r, k, "cuts") > 0 ? 3 : 0;
@@ -65,7 +67,7 @@ static void draw_iterations(report *r, const columns *c) {
 
 static void draw_residuals(report *r, const columns *c) {
   static const char *const keys[] = {"options", "solver", "tolerance", NULL};
-  report_chart chart = {.title = "Relative residual at the end of each increment",
+  report_chart chart = {.title = "Residual at the end of each increment",
                         .x_label = "increment",
                         .y_label = "residual over forces",
                         .log_y = true,
@@ -74,6 +76,32 @@ static void draw_residuals(report *r, const columns *c) {
                         .nseries = 1,
                         .series = {{.n = c->n, .x = c->increment, .y = c->residual}}};
   report_draw_chart(r->out, &chart);
+}
+
+static void draw_stability(report *r, const columns *c) {
+  char label[160];
+  report_chart chart = {.title = "Smallest acoustic eigenvalue of all points",
+                        .x_label = "increment",
+                        .y_label = scene_label(label, "at or below 0: ellipticity is lost", r->labels.stress),
+                        .line = NAN,
+                        .zero = true,
+                        .nseries = 1,
+                        .series = {{.n = c->n, .x = c->increment, .y = c->acoustic}}};
+  report_draw_chart(r->out, &chart);
+}
+
+gh_status report_iterations(report *r) {
+  columns c = {0};
+  gh_status status = take_columns(r, &c);
+  if (status == GH_OK) {
+    gh_text_print(r->out, "<div class=\"grid\">\n");
+    draw_iterations(r, &c);
+    draw_residuals(r, &c);
+    gh_text_print(r->out, "</div>\n");
+  }
+  free(c.memory);
+  free(c.mark);
+  return status;
 }
 
 /* ---- at the chosen points ---- */
@@ -209,8 +237,7 @@ gh_status report_curves(report *r) {
     status = draw_paths(r);
   }
   if (status == GH_OK) {
-    draw_iterations(r, &c);
-    draw_residuals(r, &c);
+    draw_stability(r, &c);
     gh_text_print(r->out, "</div>\n");
     print_table(r);
   }

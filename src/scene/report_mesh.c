@@ -5,7 +5,7 @@
 #include <string.h>
 
 /* The page of a picture; coordinates of paths are tenths of its units. */
-enum { WIDTH = 460, LEFT = 44, RIGHT = 78, TOP = 8, BOTTOM = 44, TALLEST = 460 };
+enum { WIDTH = 430, LEFT = 42, RIGHT = 76, TOP = 8, BOTTOM = 44, TALLEST = 460 };
 
 typedef struct frame {
   double *u;             /* nnodes x 3 */
@@ -216,35 +216,55 @@ static void print_axes(const picture *p) {
   }
 }
 
-/* A field given at the nodes, in flat patches of one colour; all patches of a colour are one path. */
-static gh_status print_smooth(const picture *p, const frame *f, const double *value, double low,
-                              double high) {
-  int ne = p->r->mesh.nelements, side = (int)sqrt(1600.0 / ne);
-  side = side < 1 ? 1 : side > 12 ? 12 : side;
-  size_t patches = (size_t)(ne * side * side);
-  unsigned char *colour;
-  char text[8];
-  GH_TRY(gh_alloc(p->r->ctx, patches, 1, &colour));
-  for (size_t k = 0; k < patches; k++) {
-    int e = (int)(k / (size_t)(side * side)), rest = (int)(k % (size_t)(side * side));
-    double s = (rest % side + 0.5) / side, t = (rest / side + 0.5) / side, v = 0;
-    double N[4] = {(1 - s) * (1 - t), s * (1 - t), s * t, (1 - s) * t};
+/* Where the patches of an element are, side x side of them. */
+typedef struct patches {
+  int side;
+  unsigned char *colour; /* side x side for each element, row after row */
+} patches;
+
+static gh_status colour_patches(const picture *p, const double *value, double low, double high, patches *t) {
+  int ne = p->r->mesh.nelements, side = (int)sqrt(6000.0 / ne);
+  t->side = side = side < 1 ? 1 : side > 24 ? 24 : side;
+  size_t each = (size_t)(side * side);
+  GH_TRY(gh_alloc(p->r->ctx, each * (size_t)ne, 1, &t->colour));
+  for (size_t k = 0; k < each * (size_t)ne; k++) {
+    int e = (int)(k / each), rest = (int)(k % each);
+    double s = (rest % side + 0.5) / side, at = (rest / side + 0.5) / side, v = 0;
+    double N[4] = {(1 - s) * (1 - at), s * (1 - at), s * at, (1 - s) * at};
     for (int a = 0; a < 4; a++) v += N[a] * value[p->r->mesh.quad[e][a]];
-    colour[k] = (unsigned char)shade_of(v, low, high);
+    t->colour[k] = (unsigned char)shade_of(v, low, high);
   }
-  for (int c = 0; c < SHADES; c++) {
-    bool any = false;
-    for (size_t k = 0; k < patches; k++) {
+  return GH_OK;
+}
+
+/* The patches of one colour as one path; neighbours in a row are one strip, which has straight sides in a
+ * bilinear element. */
+static void print_shade(const picture *p, const frame *f, const patches *t, int c) {
+  int side = t->side, rows = p->r->mesh.nelements * side;
+  bool any = false;
+  char text[8];
+  for (int row = 0; row < rows; row++) {
+    const unsigned char *colour = t->colour + (size_t)row * (size_t)side;
+    for (int k = 0; k < side; k++) {
       if (colour[k] != c) continue;
-      int e = (int)(k / (size_t)(side * side)), rest = (int)(k % (size_t)(side * side));
+      int begin = k;
+      while (k + 1 < side && colour[k + 1] == c) k++;
       if (!any) gh_text_print(p->r->out, "<path fill=\"%s\" stroke=\"%s\" d=\"", shade(c, text), text);
       any = true;
-      print_patch(p, f, e, (double)(rest % side) / side, (rest % side + 1.0) / side,
-                  (double)(rest / side) / side, (rest / side + 1.0) / side);
+      print_patch(p, f, row / side, (double)begin / side, (k + 1.0) / side, (double)(row % side) / side,
+                  (row % side + 1.0) / side);
     }
-    if (any) gh_text_print(p->r->out, "\"/>");
   }
-  free(colour);
+  if (any) gh_text_print(p->r->out, "\"/>");
+}
+
+/* A field given at the nodes. */
+static gh_status print_smooth(const picture *p, const frame *f, const double *value, double low,
+                              double high) {
+  patches t;
+  GH_TRY(colour_patches(p, value, low, high, &t));
+  for (int c = 0; c < SHADES; c++) print_shade(p, f, &t, c);
+  free(t.colour);
   return GH_OK;
 }
 
@@ -303,14 +323,14 @@ static void range(const picture *p, field which, double *low, double *high, bool
   if (!(*high > *low)) *high = *low + 1e-12 + 1e-6 * fabs(*low);
 }
 
-static gh_status print_field(const picture *p, field which, const char *title, const char *small) {
+static gh_status print_field(const picture *p, field which, const char *title, const char *note) {
   report *r = p->r;
   double low, high;
   bool lost;
   range(p, which, &low, &high, &lost);
   gh_text_print(r->out, "<figure class=\"mesh\"><figcaption>");
   report_escape(r->out, title);
-  gh_text_print(r->out, "<small>%s</small></figcaption>\n", small);
+  gh_text_print(r->out, "</figcaption>\n");
   for (int k = 0; k < r->nfilm; k++) {
     const frame *f = p->frames + k;
     gh_text_print(r->out, "<svg viewBox=\"0 0 %d %.0f\" role=\"img\" aria-label=\"", WIDTH, p->height);
@@ -327,7 +347,7 @@ static gh_status print_field(const picture *p, field which, const char *title, c
     print_axes(p);
     gh_text_print(r->out, "</svg>\n");
   }
-  gh_text_print(r->out, "</figure>\n");
+  gh_text_print(r->out, "<p class=\"note\">%s</p></figure>\n", note);
   return GH_OK;
 }
 
@@ -370,11 +390,11 @@ static gh_status print_fields(picture *p) {
   gh_text_print(r->out, " unless chosen otherwise; %s. One colour scale for all increments.</p>\n", factor);
   print_slider(r);
   gh_text_print(r->out, "<div class=\"grid\">\n");
-  GH_TRY(print_field(p, MISES, title[MISES], "stress at the nodes, averaged over the elements"));
-  GH_TRY(print_field(p, SHEAR, title[SHEAR], "principal Green strains; 0 in the packing as read"));
-  GH_TRY(print_field(
-      p, ACOUSTIC, title[ACOUSTIC],
-      "of each integration point; \xe2\x89\xa4 0: ellipticity is lost, the line shows how a band would run"));
+  GH_TRY(print_field(p, MISES, title[MISES], "Stress at the nodes, averaged over the elements."));
+  GH_TRY(print_field(p, SHEAR, title[SHEAR], "Principal Green strains; 0 in the packing as read."));
+  GH_TRY(print_field(p, ACOUSTIC, title[ACOUSTIC],
+                     "At the integration points. \xe2\x89\xa4 0: ellipticity is lost; the line shows how a "
+                     "band would run."));
   gh_text_print(r->out, "</div>\n");
   return GH_OK;
 }

@@ -61,8 +61,8 @@ static double largest_radius(const scene_rve *d) {
 
 /* ---- parts of pictures ---- */
 
-static void begin_figure(report *r, const view *v, const char *title, const char *small) {
-  gh_text_print(r->out, "<figure><figcaption>%s<small>%s</small></figcaption>", title, small);
+static void begin_figure(report *r, const view *v, const char *title) {
+  gh_text_print(r->out, "<figure><figcaption>%s</figcaption>", title);
   gh_text_print(r->out,
                 "<svg style=\"overflow:hidden\" viewBox=\"0 0 %d %.0f\" role=\"img\" aria-label=\"%s\">",
                 PAGE, v->height, title);
@@ -148,22 +148,30 @@ static void print_forces(gh_text *out, const view *v, const scene_rve *d) {
 
 /* ---- pictures ---- */
 
+static void print_length(report *r) {
+  if (!*r->labels.length) return;
+  gh_text_print(r->out, " ");
+  report_escape(r->out, r->labels.length);
+}
+
 static void draw_network(report *r, const scene_rve *d) {
   view v;
-  char small[256], force[96];
   view_fit(&v, d, 0.6 * largest_radius(d));
   view_end(&v);
-  snprintf(force, sizeof force, "%.3g%s%.40s", largest_force(d), *r->labels.force ? " " : "",
-           r->labels.force);
-  snprintf(small, sizeof small, "%s; outlines: rattlers; %s; orange: cell",
-           d->ncontacts ? "width of lines: contact force" : "no contacts",
-           d->periodic ? "lighter: periodic images" : "lighter: replicas");
-  begin_figure(r, &v, "Force network", small);
+  begin_figure(r, &v, "Force network");
   print_grains(r->out, &v, d);
   print_forces(r->out, &v, d);
   print_cell(r->out, &v, d->cell, d->low, "cell");
-  gh_text_print(r->out, "</svg><p class=\"soft\">Largest contact force ");
-  report_escape(r->out, force);
+  gh_text_print(r->out, "</svg><p class=\"note\">Width of lines: contact force, the largest is %.3g",
+                largest_force(d));
+  if (*r->labels.force) {
+    gh_text_print(r->out, " ");
+    report_escape(r->out, r->labels.force);
+  }
+  gh_text_print(r->out, ". Outlines: rattlers; lighter: %s; orange: the cell, %.4g by %.4g",
+                d->periodic ? "periodic images" : "replicas", hypot(d->cell[0], d->cell[2]),
+                hypot(d->cell[1], d->cell[3]));
+  print_length(r);
   gh_text_print(r->out, ".</p></figure>\n");
 }
 
@@ -254,8 +262,7 @@ static void print_traces(report *r, const scene_rve *d, const traces *t, const d
     view_include(&v, x, 0.3 * largest_radius(d));
   }
   view_end(&v);
-  begin_figure(r, &v, "Traces of the grains",
-               "paths of the centres from the start, dots: now; orange: cell now, dashed: at the start");
+  begin_figure(r, &v, "Traces of the grains");
   print_grains(r->out, &v, d);
   print_cell(r->out, &v, cell, low, "un");
   print_cell(r->out, &v, d->cell, d->low, "cell");
@@ -270,7 +277,8 @@ static void print_traces(report *r, const scene_rve *d, const traces *t, const d
     gh_text_print(r->out, "<circle class=\"dot\" cx=\"%.0f\" cy=\"%.0f\" r=\"5\"/>",
                   px(&v, d->x[2 * n] + shift[0]), py(&v, d->x[2 * n + 1] + shift[1]));
   }
-  gh_text_print(r->out, "</svg></figure>\n");
+  gh_text_print(r->out, "</svg><p class=\"note\">Paths of the centres from the start to the dots. Orange: "
+                        "the cell now, dashed: at the start.</p></figure>\n");
 }
 
 static gh_status draw_traces(report *r, const scene_rve *d) {
@@ -306,10 +314,7 @@ static void print_head(report *r, int point) {
   if (point == r->least) gh_text_print(r->out, ", the smallest acoustic eigenvalue");
   gh_text_print(r->out, "</h3>\n<p class=\"soft\">Element %d, at (%.4g, %.4g)", point / 4,
                 r->gauss[2 * point], r->gauss[2 * point + 1]);
-  if (*r->labels.length) {
-    gh_text_print(r->out, " ");
-    report_escape(r->out, r->labels.length);
-  }
+  print_length(r);
   gh_text_print(r->out, ". Cauchy stress s11 %.4g, s22 %.4g, s12 %.4g", s[0], s[3], 0.5 * (s[1] + s[2]));
   if (*r->labels.stress) {
     gh_text_print(r->out, " ");

@@ -5,7 +5,7 @@
 
 /* ---- residuals, as in Tables 6.1 to 6.7 of the dissertation ---- */
 
-enum { SHOWN = 9 }; /* residuals in a row */
+enum { SHOWN = 8 }; /* residuals in a row */
 
 typedef struct residual_columns {
   int step, substep, iteration, relative, first;
@@ -60,6 +60,7 @@ gh_status report_convergence(report *r) {
   double tolerance = report_run_number(r, keys);
   gh_text *out = r->out;
   gh_text_print(out, "<h2 id=\"convergence\">Convergence</h2>\n");
+  GH_TRY(report_iterations(r));
   if (csv->nrows == 0 || !find_columns(csv, &c)) {
     gh_text_print(out, "<p>convergence.csv holds no residuals.</p>\n");
     return GH_OK;
@@ -114,7 +115,7 @@ static void draw_micro(report *r) {
          sum = seconds(r, "micro_sum");
   if (!isfinite(sum)) sum = seconds(r, "micro");
   report_share parts[] = {{"relaxation", relax},
-                          {"stiffness, factorisation, tangent", factorise},
+                          {"stiffness and tangent", factorise},
                           {"contact lists", contacts},
                           {"cells and neighbour lists", set},
                           {"rest", positive(sum - relax - contacts - factorise - set)}};

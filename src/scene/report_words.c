@@ -69,55 +69,56 @@ static void tell_outcome(report *r) {
   end(r);
 }
 
+/* "3 cuts", "1 cut". */
+static void count(report *r, double n, const char *what) {
+  gh_text_print(r->out, "%.0f %s%s", n, what, n == 1 ? "" : "s");
+}
+
 /* The numbers of the increments for which a column is above 0, as "3, 7, 12 ...". */
 static void list_increments(report *r, const char *column) {
   enum { MOST = 12 };
-  int told = 0;
-  for (int k = 0; k < r->n; k++) {
-    if (!(report_history(r, k, column) > 0)) continue;
-    if (told == MOST) {
-      gh_text_print(r->out, " \xe2\x80\xa6");
-      return;
-    }
-    gh_text_print(r->out, "%s%d", told++ ? ", " : "", k);
-  }
+  int all = 0, told = 0;
+  for (int k = 0; k < r->n; k++) all += report_history(r, k, column) > 0;
+  gh_text_print(r->out, "increment%s ", all == 1 ? "" : "s");
+  for (int k = 0; k < r->n && told < MOST; k++)
+    if (report_history(r, k, column) > 0) gh_text_print(r->out, "%s%d", told++ ? ", " : "", k);
+  if (all > MOST) gh_text_print(r->out, " \xe2\x80\xa6");
 }
 
 static void tell_jumps(report *r) {
   double jumps = sum(r, "jumps"), cuts = sum(r, "cuts");
-  if (jumps == 0 && cuts == 0) {
-    begin(r, "good", "No jumps, no cuts");
-    gh_text_print(r->out, "Each increment was solved in one part.");
-  } else if (jumps == 0) {
-    begin(r, "good", "No jumps");
-    gh_text_print(r->out, "%.0f cuts, in the increments ", cuts);
-    list_increments(r, "cuts");
-    gh_text_print(r->out, ".");
+  if (jumps == 0) {
+    begin(r, "good", cuts > 0 ? "No jumps" : "No jumps, no cuts");
+    if (cuts == 0) gh_text_print(r->out, "Each increment was solved in one part.");
+    else {
+      count(r, cuts, "cut");
+      gh_text_print(r->out, ", in ");
+      list_increments(r, "cuts");
+      gh_text_print(r->out, ".");
+    }
   } else {
     begin(r, "warn", "Packings jumped");
-    gh_text_print(r->out, "%.0f jumps passed, in the increments ", jumps);
+    count(r, jumps, "jump");
+    gh_text_print(r->out, ", in ");
     list_increments(r, "jumps");
     gh_text_print(r->out,
-                  ": the path is not continuous there, and the state after a jump is one of several that the "
-                  "body could have come to. %.0f cuts.",
-                  cuts);
+                  ": the path is not continuous there, and the state after a jump is one of several that "
+                  "the body could have come to. ");
+    count(r, cuts, "cut");
+    gh_text_print(r->out, ".");
   }
   end(r);
 }
 
 static void list_lost(report *r, int k) {
-  enum { MOST = 8 };
+  enum { MOST = 6 };
   const double *acoustic = r->acoustic + (size_t)k * (size_t)r->np;
-  int told = 0;
-  for (int p = 0; p < r->np; p++) {
-    if (acoustic[p] > 0) continue;
-    if (told == MOST) {
-      gh_text_print(r->out, " \xe2\x80\xa6");
-      return;
-    }
-    gh_text_print(r->out, "%s%d at (%.4g, %.4g)", told++ ? ", " : "", p, r->gauss[2 * p],
-                  r->gauss[2 * p + 1]);
-  }
+  int all = lost_at(r, k), told = 0;
+  for (int p = 0; p < r->np && told < MOST; p++)
+    if (!(acoustic[p] > 0))
+      gh_text_print(r->out, "%s%d at (%.4g, %.4g)", told++ ? ", " : "", p, r->gauss[2 * p],
+                    r->gauss[2 * p + 1]);
+  if (all > MOST) gh_text_print(r->out, " and %d more", all - MOST);
 }
 
 static void tell_ellipticity(report *r) {
@@ -135,7 +136,7 @@ static void tell_ellipticity(report *r) {
     begin(r, "warn", "Ellipticity is lost");
     gh_text_print(r->out, "First in increment %d (%d of %d points: ", first, lost_at(r, first), r->np);
     list_lost(r, first);
-    gh_text_print(r->out, "). At the end in %d points", now);
+    gh_text_print(r->out, "). At the end in %d point%s", now, now == 1 ? "" : "s");
     if (now) gh_text_print(r->out, ": ");
     list_lost(r, r->n - 1);
     gh_text_print(r->out,
@@ -148,7 +149,7 @@ static void tell_unjammed(report *r) {
   double now = report_history(r, r->n - 1, "unjammed");
   if (!(sum(r, "unjammed") > 0)) return;
   begin(r, "warn", "Packings without contact");
-  gh_text_print(r->out, "Some integration points carried nothing in the increments ");
+  gh_text_print(r->out, "Some integration points carried nothing in ");
   list_increments(r, "unjammed");
   gh_text_print(r->out, "; at the end %.0f of %d.", now, r->np);
   end(r);
@@ -169,7 +170,7 @@ static void tiles(report *r) {
   snprintf(text, sizeof text, "%.0f / %.0f", sum(r, "cuts"), sum(r, "jumps"));
   tile(r, text, "cuts / jumps");
   snprintf(text, sizeof text, "%d", lost_at(r, r->n - 1));
-  tile(r, text, "points not elliptic at the end");
+  tile(r, text, "points not elliptic");
   snprintf(text, sizeof text, "%d \xc3\x97 %.0f", r->np,
            report_run_number(r, (const char *const[]){"options", "micro", "grains", NULL}));
   tile(r, text, "points \xc3\x97 grains");
