@@ -148,7 +148,7 @@ static int shade_of(double v, double low, double high) {
 
 static void print_bar(const picture *p, double low, double high, bool lost) {
   gh_text *out = p->r->out;
-  double x = WIDTH - RIGHT + 16, top = TOP + 4, h = fmin(p->height - TOP - BOTTOM - 8, 260), step;
+  double x = px(p, p->high[0]) + 16, top = TOP + 4, h = fmin(p->height - TOP - BOTTOM - 8, 260), step;
   char text[8];
   if (lost) h -= 24;
   for (int k = 0; k < SHADES; k++)
@@ -310,29 +310,34 @@ static const double *values(const frame *f, field which) {
   return which == MISES ? f->mises : which == SHEAR ? f->shear : f->acoustic;
 }
 
-static void range(const picture *p, field which, double *low, double *high, bool *lost) {
+/* What the colours of a picture span: the values of its increment, but no less than a tenth of the largest of
+ * them nor a fiftieth of the largest of the film, so that round-off does not fill the picture. */
+static void range(const picture *p, field which, int frame_number, double *low, double *high, bool *lost) {
   int n = which == ACOUSTIC ? p->r->np : p->r->mesh.nnodes;
-  *low = INFINITY, *high = -INFINITY, *lost = false;
+  double largest = 0;
+  *low = INFINITY, *high = -INFINITY;
   for (int k = 0; k < p->r->nfilm; k++)
     for (int j = 0; j < n; j++) {
       double v = values(p->frames + k, which)[j];
-      *low = fmin(*low, v), *high = fmax(*high, v);
+      largest = fmax(largest, fabs(v));
+      if (k == frame_number) *low = fmin(*low, v), *high = fmax(*high, v);
     }
   *lost = which == ACOUSTIC && *low <= 0;
   if (which == ACOUSTIC) *low = 0;
-  if (!(*high > *low)) *high = *low + 1e-12 + 1e-6 * fabs(*low);
+  double least = fmax(0.1 * fabs(*high), 0.02 * largest) + 1e-300;
+  if (*high - *low < least) *high = *low + least;
 }
 
 static gh_status print_field(const picture *p, field which, const char *title, const char *note) {
   report *r = p->r;
-  double low, high;
-  bool lost;
-  range(p, which, &low, &high, &lost);
   gh_text_print(r->out, "<figure class=\"mesh\"><figcaption>");
   report_escape(r->out, title);
   gh_text_print(r->out, "</figcaption>\n");
   for (int k = 0; k < r->nfilm; k++) {
     const frame *f = p->frames + k;
+    double low, high;
+    bool lost;
+    range(p, which, k, &low, &high, &lost);
     gh_text_print(r->out, "<svg viewBox=\"0 0 %d %.0f\" role=\"img\" aria-label=\"", WIDTH, p->height);
     report_escape(r->out, title);
     gh_text_print(r->out, "\" data-frame=\"%d\"%s><g transform=\"scale(.1)\">", k,
@@ -387,7 +392,8 @@ static gh_status print_fields(picture *p) {
   scene_label(title[ACOUSTIC], "Smallest acoustic eigenvalue", r->labels.stress);
   gh_text_print(r->out, "<h2 id=\"body\">The body</h2>\n<p class=\"soft\">Deformed mesh, ");
   print_name(r, r->film[r->nfilm - 1]);
-  gh_text_print(r->out, " unless chosen otherwise; %s. One colour scale for all increments.</p>\n", factor);
+  gh_text_print(r->out, " unless chosen otherwise; %s. The colours span the values of the increment.</p>\n",
+                factor);
   print_slider(r);
   gh_text_print(r->out, "<div class=\"grid\">\n");
   GH_TRY(print_field(p, MISES, title[MISES], "Stress at the nodes, averaged over the elements."));

@@ -156,7 +156,7 @@ static void print_length(report *r) {
 
 static void draw_network(report *r, const scene_rve *d) {
   view v;
-  view_fit(&v, d, 0.6 * largest_radius(d));
+  view_fit(&v, d, 1.1 * largest_radius(d));
   view_end(&v);
   begin_figure(r, &v, "Force network");
   print_grains(r->out, &v, d);
@@ -255,7 +255,7 @@ static void print_trace(gh_text *out, const view *v, const scene_rve *d, const t
 static void print_traces(report *r, const scene_rve *d, const traces *t, const double cell[4],
                          const double low[2]) {
   view v;
-  view_fit(&v, d, 0.6 * largest_radius(d));
+  view_fit(&v, d, 1.1 * largest_radius(d));
   for (int k = 0; k < 4; k++) {
     double x[2];
     corner(cell, low, k, x);
