@@ -20,7 +20,7 @@ CFLAGS  = -std=c17 -D_XOPEN_SOURCE=700 $(FLAGS) $(CPPFLAGS_PKG) -fexceptions
 # LAMMPS's headers are C++11 of their own kind: ours on top of them keep the warnings.
 CXXFLAGS = -std=c++17 $(FLAGS) $(CPPFLAGS_PKG) -isystem src/engine/lammps/compat -isystem /usr/include/lammps -DLAMMPS_SMALLBIG -DLAMMPS_LIB_MPI
 LDFLAGS = -rdynamic $(SAN)
-LDLIBS  = -llammps -lcholmod -lumfpack $(shell pkg-config --libs $(PKGS)) -lstdc++ -lm
+LDLIBS  = -llammps -lcholmod -lumfpack -lklu $(shell pkg-config --libs $(PKGS)) -lstdc++ -lm
 
 SRC  := $(foreach m,$(MODULES),$(wildcard src/$(m)/*.c src/$(m)/*.cpp))
 OBJ  := $(SRC:%=$(BUILD)/%.o)

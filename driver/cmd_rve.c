@@ -1,5 +1,6 @@
 /* granhom rve: one material point along a path of F. SPDX-License-Identifier: GPL-2.0-or-later */
 #include "cli.h"
+#include "contact_options.h"
 #include "rve_state.h"
 
 #include "granhom/io.h"
@@ -24,15 +25,17 @@ static const char help[] =
     "periodic cell;\n"
     "                         restricted: grains at the boundary follow F, the others are in equilibrium;\n"
     "                         periodic: all grains of the periodic cell are in equilibrium (default)\n"
-    "  --engine NAME          lammps (default) or native\n"
-    "  --normal-stiffness E   force per overlap, > 0 (default 1)\n"
-    "  --tolerance T          largest force on a grain over the mean contact force (default 1e-8)\n"
-    "  --max-steps N          relaxation steps after which an increment has failed (default 400000)\n"
+    "  --engine NAME          lammps (default) or native\n" CONTACT_HELP
+    "  --tolerance T          largest force on a grain, and moment over radius, over the mean normal "
+    "contact\n"
+    "                         force (default 1e-8)\n"
+    "  --max-steps N          relaxation steps after which an increment has no equilibrium and is cut, six\n"
+    "                         times at most (default 400000, with friction 50000)\n"
     "  --tangent FILE         tangent dP/dF of each increment: step,A1111,A1112,...,A2222\n"
     "  --dump FILE            a LAMMPS dump of the grains, one frame per increment (OVITO reads it)\n"
     "  --save-state FILE      converged state at the end of the path (HDF5)\n"
     "  --load-state FILE      start from such a state instead of the packing as read; of the\n"
-    "                         same packing and boundary condition\n"
+    "                         same packing, boundary condition and contact law\n"
     "\n"
     "Exit status: 0 done, 1 an increment did not converge (the rows before it are written), 2 wrong input.\n";
 
@@ -40,6 +43,7 @@ static const double WRITE_EVERY = 2; /* seconds */
 
 typedef struct arguments {
   const char *packing, *path, *output, *tangent, *dump, *save, *load;
+  contact_options contact;
   gh_rve_options rve;
 } arguments;
 
@@ -63,6 +67,8 @@ static int positive(const char *option, const char *text, double *value) {
 
 static int parse_option(int c, arguments *a) {
   long steps;
+  int status = contact_option(&cli_rve, c, optarg, &a->contact);
+  if (status >= 0) return status;
   switch (c) {
   case 'p':
     a->path = optarg;
@@ -82,8 +88,6 @@ static int parse_option(int c, arguments *a) {
   case 'l':
     a->load = optarg;
     return 0;
-  case 'E':
-    return positive("--normal-stiffness", optarg, &a->rve.law.normal_stiffness);
   case 'T':
     return positive("--tolerance", optarg, &a->rve.tolerance);
   case 'b':
@@ -108,12 +112,10 @@ static int parse_option(int c, arguments *a) {
 
 static int parse(int argc, char **argv, arguments *a) {
   static const struct option options[] = {
-      {"path", 1, 0, 'p'},       {"output", 1, 0, 'o'},     {"boundary", 1, 0, 'b'},
-      {"engine", 1, 0, 'e'},     {"tolerance", 1, 0, 'T'},  {"normal-stiffness", 1, 0, 'E'},
-      {"max-steps", 1, 0, 'n'},  {"tangent", 1, 0, 't'},    {"dump", 1, 0, 'd'},
-      {"save-state", 1, 0, 's'}, {"load-state", 1, 0, 'l'}, {0, 0, 0, 0}};
+      {"path", 1, 0, 'p'},       {"output", 1, 0, 'o'},     {"boundary", 1, 0, 'b'}, {"engine", 1, 0, 'e'},
+      {"tolerance", 1, 0, 'T'},  {"max-steps", 1, 0, 'n'},  {"tangent", 1, 0, 't'},  {"dump", 1, 0, 'd'},
+      {"save-state", 1, 0, 's'}, {"load-state", 1, 0, 'l'}, CONTACT_OPTIONS,         {0, 0, 0, 0}};
   *a = (arguments){.rve = gh_rve_defaults()};
-  a->rve.law.normal_stiffness = 1;
   opterr = 0;
   optind = 1;
   for (int c; (c = getopt_long(argc, argv, ":o:", options, NULL)) != -1;) {
@@ -128,7 +130,7 @@ static int parse(int argc, char **argv, arguments *a) {
   if (!a->path) return cli_usage(&cli_rve, "--path is missing");
   if (!(a->rve.tolerance < 1))
     return cli_usage(&cli_rve, "--tolerance must be below 1, not %g", a->rve.tolerance);
-  return 0;
+  return contact_law(&cli_rve, &a->contact, &a->rve.law);
 }
 
 /* ---- path ---- */
@@ -162,7 +164,8 @@ static gh_status check_path(job *j) {
 static void write_headers(job *j) {
   gh_text_print(
       j->out,
-      "step,F11,F12,F21,F22,P11,P12,P21,P22,s11,s12,s21,s22,energy,contacts,rattlers,residual,seconds\n");
+      "step,F11,F12,F21,F22,P11,P12,P21,P22,s11,s12,s21,s22,energy,contacts,rattlers,residual,seconds%s\n",
+      j->args->rve.law.friction ? ",energy_t,dissipation,sliding" : "");
   if (!j->tangent) return;
   gh_text_print(j->tangent, "step");
   for (int n = 0; n < 16; n++)
@@ -192,11 +195,15 @@ static gh_status write_frame(job *j, long step) {
     gh_text_print(j->dump, "ITEM: BOX BOUNDS ff ff pp\n%.17g %.17g\n%.17g %.17g\n-0.5 0.5\n", low[0], high[0],
                   low[1], high[1]);
   }
-  gh_text_print(j->dump, "ITEM: ATOMS id type x y z radius grain rattler held replica\n");
-  for (int i = 0; i < v.n; i++)
-    gh_text_print(j->dump, "%d %d %.17g %.17g 0 %.17g %d %d %d %d\n", i + 1, v.type[i], v.x[2 * i],
+  gh_text_print(j->dump, "ITEM: ATOMS id type x y z radius grain rattler held replica%s\n",
+                v.theta ? " theta" : "");
+  for (int i = 0; i < v.n; i++) {
+    gh_text_print(j->dump, "%d %d %.17g %.17g 0 %.17g %d %d %d %d", i + 1, v.type[i], v.x[2 * i],
                   v.x[2 * i + 1], v.radius[i], v.id[i], v.flags[i] & 1, v.flags[i] >> 1 & 1,
                   v.flags[i] >> 2 & 1);
+    if (v.theta) gh_text_print(j->dump, " %.17g", v.theta[i]);
+    gh_text_print(j->dump, "\n");
+  }
   return GH_OK;
 }
 
@@ -206,8 +213,11 @@ static gh_status write_row(job *j, long step, const double A[16]) {
   gh_text_print(j->out, "%ld", step);
   for (int b = 0; b < 3; b++)
     for (int k = 0; k < 4; k++) gh_text_print(j->out, ",%.17g", blocks[b][k]);
-  gh_text_print(j->out, ",%.17g,%d,%d,%.17g,%.6g\n", m->energy, m->contacts, m->rattlers, m->residual,
+  gh_text_print(j->out, ",%.17g,%d,%d,%.17g,%.6g", m->energy, m->contacts, m->rattlers, m->residual,
                 m->seconds);
+  if (j->args->rve.law.friction)
+    gh_text_print(j->out, ",%.17g,%.17g,%d", m->energy_t, m->dissipation, m->sliding);
+  gh_text_print(j->out, "\n");
   if (j->tangent) {
     gh_text_print(j->tangent, "%ld", step);
     for (int n = 0; n < 16; n++) gh_text_print(j->tangent, ",%.17g", A[n]);
@@ -240,9 +250,48 @@ static gh_status write_files(job *j, bool last) {
   return GH_OK;
 }
 
+/* F of the converged state that the path starts from. */
+static gh_status start_of_path(job *j, double F[4]) {
+  double *state;
+  GH_TRY(gh_alloc(j->ctx, gh_rve_state_size(j->rve), sizeof *state, &state));
+  gh_status status = gh_rve_save(j->rve, state);
+  memcpy(F, state, 4 * sizeof *F);
+  free(state);
+  return status;
+}
+
+/* Evaluates at `to`. An increment that has no equilibrium is cut: parts of it are committed on the way. */
+static gh_status reach(job *j, long step, const double from[4], const double to[4], double P[4],
+                       double A[16]) {
+  enum { MOST_CUTS = 6 };
+  double t = 0, dt = 1;
+  int cuts = 0, parts = 0;
+  for (int level = 0;;) {
+    double F[4];
+    bool last = t + dt == 1;
+    for (int k = 0; k < 4; k++) F[k] = last ? to[k] : from[k] + (t + dt) * (to[k] - from[k]);
+    gh_status status = gh_rve_evaluate(j->rve, F, last && j->tangent ? GH_WANT_TANGENT : 0, P, A);
+    if (status == GH_DIVERGED && level < MOST_CUTS) {
+      GH_TRY(gh_rve_revert(j->rve));
+      dt /= 2, level++, cuts++;
+      continue;
+    }
+    if (status != GH_OK && parts) gh_prefix(j->ctx, status, "after %d parts of the increment: ", parts);
+    GH_TRY(status);
+    if (last) break;
+    GH_TRY(gh_rve_commit(j->rve));
+    t += dt, parts++;
+    if (level > 0 && fmod(t, 2 * dt) == 0) dt *= 2, level--;
+  }
+  if (cuts)
+    gh_log(j->ctx, GH_LEVEL_INFO, "step %ld: no equilibrium at once, reached in %d parts", step, parts + 1);
+  return GH_OK;
+}
+
 static gh_status walk(job *j) {
   gh_work work;
-  gh_status status = GH_OK;
+  double from[4];
+  gh_status status = start_of_path(j, from);
   gh_work_begin(j->ctx, &work, "rve", "increments", j->path->nrows);
   int row = 0;
   for (; row < j->path->nrows && status == GH_OK; row++) {
@@ -250,9 +299,10 @@ static gh_status walk(job *j) {
     double F[4], P[4], A[16];
     for (int k = 0; k < 4; k++) F[k] = value[j->columns[k + 1]];
     long step = j->columns[0] >= 0 ? (long)value[j->columns[0]] : row;
-    status = gh_rve_evaluate(j->rve, F, j->tangent ? GH_WANT_TANGENT : 0, P, A);
+    status = reach(j, step, from, F, P, A);
     if (status == GH_OK) status = write_row(j, step, A);
     if (status == GH_OK) status = gh_rve_commit(j->rve);
+    memcpy(from, F, sizeof from);
     if (status != GH_OK) gh_prefix(j->ctx, status, "step %ld: ", step);
     gh_work_advance(j->ctx, &work, row + 1);
     if (status == GH_OK && gh_seconds() - j->written > WRITE_EVERY) status = write_files(j, false);
@@ -267,7 +317,7 @@ static gh_status finish(job *j, gh_status status) {
   char *message = status == GH_OK ? NULL : strdup(gh_message(j->ctx));
   gh_status s = write_files(j, true);
   if (s == GH_OK && status == GH_OK && j->args->save)
-    s = rve_state_save(j->ctx, j->args->save, j->rve, j->args->rve.boundary, j->packing);
+    s = rve_state_save(j->ctx, j->args->save, j->rve, &j->args->rve, j->packing);
   if (message) gh_fail(j->ctx, status, "%s", message);
   free(message);
   return status == GH_OK ? s : status;
@@ -280,7 +330,7 @@ static gh_status rve(job *j) {
   GH_TRY(check_path(j));
   GH_TRY(cli_mpi(j->ctx, true));
   GH_TRY(gh_rve_create(j->ctx, j->packing, &a->rve, &j->rve));
-  if (a->load) GH_TRY(rve_state_load(j->ctx, a->load, j->rve, a->rve.boundary, j->packing));
+  if (a->load) GH_TRY(rve_state_load(j->ctx, a->load, j->rve, &a->rve, j->packing));
   GH_TRY(gh_text_create(j->ctx, &j->out));
   if (a->tangent) GH_TRY(gh_text_create(j->ctx, &j->tangent));
   if (a->dump) GH_TRY(gh_text_create(j->ctx, &j->dump));

@@ -1,8 +1,9 @@
 /* States of one material point in HDF5 files. SPDX-License-Identifier: GPL-2.0-or-later
  *
  * boundary          word
- * state             what gh_rve_save gives
- * packing/cell      2 x 2;   packing/radius   grains;   packing/x   grains x 2
+ * law               7: normal stiffness, friction or not, tangential stiffness, friction coefficient,
+ * hardening, measure of slip, rotations fixed or not state             what gh_rve_save gives packing/cell 2
+ * x 2;   packing/radius   grains;   packing/x   grains x 2
  *
  * A state is numbers without a meaning of their own: loaded into another packing it would be a wrong answer
  * that looks right. Therefore the packing goes along, and is compared to the last bit. */
@@ -13,24 +14,42 @@
 #include <stdlib.h>
 #include <string.h>
 
-static gh_status put(gh_h5 *file, const gh_rve *rve, gh_boundary boundary, const gh_packing *p,
+enum { LAW = 7 };
+
+/* Without friction the other parameters mean nothing. */
+static void law_numbers(const gh_contact_law *law, double out[LAW]) {
+  memset(out, 0, LAW * sizeof *out);
+  out[0] = law->normal_stiffness;
+  if (!law->friction) return;
+  out[1] = 1;
+  out[2] = law->tangential_stiffness;
+  out[3] = law->friction_coefficient;
+  out[4] = law->hardening;
+  out[5] = law->slip;
+  out[6] = law->fixed_rotations != 0;
+}
+
+static gh_status put(gh_h5 *file, const gh_rve *rve, const gh_rve_options *o, const gh_packing *p,
                      double *state) {
+  double law[LAW];
   gh_rve_save(rve, state);
-  GH_TRY(gh_h5_put_text(file, "boundary", gh_boundary_name(boundary)));
+  law_numbers(&o->law, law);
+  GH_TRY(gh_h5_put_text(file, "boundary", gh_boundary_name(o->boundary)));
+  GH_TRY(gh_h5_put_doubles(file, "law", LAW, 1, law));
   GH_TRY(gh_h5_put_doubles(file, "packing/cell", 2, 2, p->cell));
   GH_TRY(gh_h5_put_doubles(file, "packing/radius", (size_t)p->n, 1, p->radius));
   GH_TRY(gh_h5_put_doubles(file, "packing/x", (size_t)p->n, 2, p->x));
   return gh_h5_put_doubles(file, "state", gh_rve_state_size(rve), 1, state);
 }
 
-gh_status rve_state_save(gh_context *ctx, const char *path, const gh_rve *rve, gh_boundary boundary,
+gh_status rve_state_save(gh_context *ctx, const char *path, const gh_rve *rve, const gh_rve_options *options,
                          const gh_packing *packing) {
   gh_h5 *file;
   double *state;
   GH_TRY(gh_alloc(ctx, gh_rve_state_size(rve), sizeof *state, &state));
   gh_status status = gh_h5_open(ctx, path, false, &file);
   if (status == GH_OK) {
-    status = put(file, rve, boundary, packing, state);
+    status = put(file, rve, options, packing, state);
     if (status == GH_OK) status = gh_h5_commit(&file);
     else gh_h5_close(&file);
   }
@@ -44,6 +63,25 @@ static gh_status check_boundary(gh_context *ctx, const char *path, gh_h5 *file, 
   if (!strcmp(word, gh_boundary_name(boundary))) return GH_OK;
   return gh_fail(ctx, GH_INPUT, "%s: the state was saved with --boundary %s, and now it is %s", path, word,
                  gh_boundary_name(boundary));
+}
+
+static gh_status check_law(gh_context *ctx, const char *path, gh_h5 *file, const gh_contact_law *law) {
+  static const char *const names[LAW] = {"normal stiffness",
+                                         "friction (1) or none (0)",
+                                         "tangential stiffness",
+                                         "friction coefficient",
+                                         "hardening",
+                                         "measure of slip (0 projected, 1 objective)",
+                                         "rotations fixed (1) or free (0)"};
+  double there[LAW], here[LAW];
+  law_numbers(law, here);
+  GH_TRY(gh_h5_get_doubles(file, "law", LAW, 1, there));
+  for (int k = 0; k < LAW; k++)
+    if (there[k] != here[k])
+      return gh_fail(ctx, GH_INPUT,
+                     "%s: the state was saved with another contact law: %s was %.10g, now it is %.10g", path,
+                     names[k], there[k], here[k]);
+  return GH_OK;
 }
 
 static gh_status check_packing(gh_context *ctx, const char *path, gh_h5 *file, const gh_packing *p,
@@ -70,20 +108,31 @@ static gh_status check_packing(gh_context *ctx, const char *path, gh_h5 *file, c
   return GH_OK;
 }
 
-gh_status rve_state_load(gh_context *ctx, const char *path, gh_rve *rve, gh_boundary boundary,
+static gh_status read_state(gh_context *ctx, gh_h5 *file, gh_rve *rve) {
+  size_t rows, cols;
+  double *state;
+  GH_TRY(gh_h5_size(file, "state", &rows, &cols));
+  GH_TRY(gh_alloc(ctx, rows * cols + 1, sizeof *state, &state));
+  gh_status status = gh_h5_get_doubles(file, "state", rows, cols, state);
+  if (status == GH_OK) status = gh_rve_load(rve, state, rows * cols);
+  free(state);
+  return status;
+}
+
+gh_status rve_state_load(gh_context *ctx, const char *path, gh_rve *rve, const gh_rve_options *options,
                          const gh_packing *packing) {
-  size_t size = gh_rve_state_size(rve), need = 4 + 3 * (size_t)packing->n;
   gh_h5 *file;
   double *memory = NULL;
   gh_status status;
   GH_TRY(gh_h5_read(ctx, path, &file));
-  GH_TRY_OR(gh_alloc(ctx, size > need ? size : need, sizeof *memory, &memory), done);
-  GH_TRY_OR(check_boundary(ctx, path, file, boundary), done);
+  GH_TRY_OR(gh_alloc(ctx, 4 + 3 * (size_t)packing->n, sizeof *memory, &memory), done);
+  GH_TRY_OR(check_boundary(ctx, path, file, options->boundary), done);
+  GH_TRY_OR(check_law(ctx, path, file, &options->law), done);
   GH_TRY_OR(check_packing(ctx, path, file, packing, memory), done);
-  GH_TRY_OR(gh_h5_get_doubles(file, "state", size, 1, memory), done);
-  status = gh_rve_load(rve, memory, size);
-  if (status != GH_OK) gh_prefix(ctx, status, "%s: ", path);
+  GH_TRY_OR(read_state(ctx, file, rve), done);
 done:
+  if (status != GH_OK && strncmp(gh_message(ctx), path, strlen(path)) != 0)
+    gh_prefix(ctx, status, "%s: ", path);
   free(memory);
   gh_h5_close(&file);
   return status;

@@ -70,6 +70,7 @@ typedef struct gh_relax_result {
 typedef struct gh_engine_cost {
   long steps, evaluations, rebuilds;
   double relax_seconds, contact_seconds, set_seconds;
+  double history_seconds; /* of set_seconds: taking the converged state in and finding it for the pairs */
 } gh_engine_cost;
 
 /* GH_INPUT when a parameter is out of its range (granhom/contact.h). */

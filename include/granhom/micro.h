@@ -27,6 +27,8 @@ typedef struct gh_rve_options {
   long max_steps;   /* relaxation steps before GH_DIVERGED; 0: the default */
 } gh_rve_options;
 gh_rve_options gh_rve_defaults(void);
+/* The relaxation steps that these options allow: max_steps, or the default (friction relaxes in fewer). */
+long gh_rve_step_limit(const gh_rve_options *options);
 
 enum { GH_WANT_TANGENT = 1 };
 
@@ -56,7 +58,8 @@ typedef struct gh_rve_measures {
 /* Where the time of an RVE went since it was made, seconds and counts. */
 typedef struct gh_rve_cost {
   double set, relax, contacts, factorise,
-      total; /* cell and neighbours; relaxation; contact lists; stiffness and tangent */
+      total;      /* cell and neighbours; relaxation; contact lists; stiffness and tangent */
+  double history; /* keeping the history of the contacts: part of `set` and of the rest */
   long evaluations, steps, factorisations, analyses;
 } gh_rve_cost;
 
@@ -88,6 +91,8 @@ typedef struct gh_rve_view {
   const int *grain, *type, *id;
   const unsigned char *flags;
   const gh_contact *contacts;
+  const gh_friction *friction; /* parallel to contacts; NULL without friction */
+  const double *theta;         /* rotations; NULL without friction */
   double cell[4], low[2];
   bool periodic;
 } gh_rve_view;

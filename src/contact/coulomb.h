@@ -42,7 +42,7 @@ static inline double gh_coulomb_slip(const gh_contact_law *law, const gh_coulomb
   return turn - cross / s->d;
 }
 
-/* Table 7.1 for a contact with overlap >= 0. */
+/* Table 7.1 for a contact with overlap >= 0. Without branches, so that loops over contacts vectorise. */
 static inline void gh_coulomb_evaluate(const gh_contact_law *law, const gh_coulomb_step *s,
                                        gh_coulomb_result *r) {
   const double Et = law->tangential_stiffness, h = law->hardening, e = s->reach - s->d,
@@ -50,17 +50,15 @@ static inline void gh_coulomb_evaluate(const gh_contact_law *law, const gh_coulo
   r->gamma = s->gamma + gh_coulomb_slip(law, s, &r->c);
   r->gamma_pl = s->gamma_pl;
   r->alpha = s->alpha;
-  r->force = Et * (r->gamma - r->gamma_pl);
-  r->slides = 0;
-  r->multiplier = 0;
-  const double beyond = fabs(r->force) - h * r->alpha - fn * law->friction_coefficient;
-  if (beyond > 0) { /* (7.16), (7.17) */
-    r->slides = r->force > 0 ? 1 : -1;
-    r->multiplier = beyond / (Et + h);
-    r->gamma_pl += r->multiplier * r->slides;
-    r->alpha += r->multiplier;
-    r->force -= Et * r->multiplier * r->slides;
-  }
+  const double trial = Et * (r->gamma - r->gamma_pl), size = fabs(trial), sign = copysign(1, trial),
+               beyond = size - h * r->alpha - fn * law->friction_coefficient, slip = beyond > 0 ? beyond : 0;
+  /* (7.16), (7.17); the force is taken from the limit, so that no friction is exactly none */
+  r->multiplier = slip / (Et + h);
+  r->gamma_pl += r->multiplier * sign;
+  r->alpha += r->multiplier;
+  const double limit = fn * law->friction_coefficient + h * r->alpha;
+  r->force = sign * (beyond > 0 ? limit : size);
+  r->slides = beyond > 0 ? (trial > 0 ? 1 : -1) : 0;
   r->couple = r->c * (s->d / s->reach) * r->force;
   const double normal = gh_normal_factor(law->normal_stiffness, e, s->d), along = r->c * r->force / s->d;
   r->f[0] = normal * s->l[0] + along * s->l[1]; /* t = (-l_y, l_x) / d */

@@ -161,6 +161,10 @@ static gh_status check_slips(const gh_engine *e, const gh_converged *s) {
     if (q->i < 0 || q->j < q->i || q->j >= e->n)
       return gh_fail(e->ctx, GH_INPUT, "the history names a contact between grains %d and %d of %d", q->i + 1,
                      q->j + 1, e->n);
+    const int *k = q->image;
+    if (e->periodic ? q->i == q->j && (k[1] < 0 || (k[1] == 0 && k[0] <= 0)) : q->i == q->j || k[0] || k[1])
+      return gh_fail(e->ctx, GH_INPUT, "the history names a contact of grains %d and %d at image (%d, %d)",
+                     q->i + 1, q->j + 1, k[0], k[1]);
     if (c > 0 && compare_keys(q - 1, q) >= 0)
       return gh_fail(e->ctx, GH_INPUT, "the history of the contacts is not in order at grains %d and %d",
                      q->i + 1, q->j + 1);

@@ -18,6 +18,13 @@ typedef struct gh_pair_memory {
   double gamma, gamma_pl, alpha;
 } gh_pair_memory;
 
+/* Whether the residual comes down; zero at the start, carried from list to list like `started`. */
+typedef struct gh_relax_watch {
+  double record; /* residual to come down to half of */
+  long waited;   /* steps since then */
+  double least;  /* least damping, over 1/dt */
+} gh_relax_watch;
+
 /* A packing under relaxation. All arrays belong to the caller. Of `grains`, stiffness is not looked at. With
  * friction a grain and its own image do exert a moment: such pairs (i == j) belong to the list, once. */
 typedef struct gh_relax_friction {
@@ -28,6 +35,7 @@ typedef struct gh_relax_friction {
   const double *theta_n;        /* n: rotations of the converged state */
   double *theta, *w, *m;        /* n: rotations, angular velocities of the last half step, moments. Left alone
                                    where the law fixes rotations: theta must be theta_n then */
+  gh_relax_watch watch;
 } gh_relax_friction;
 
 /* Doubles that grains.work must have. */

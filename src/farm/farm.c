@@ -127,7 +127,7 @@ void gh_farm_costs(const gh_farm *f, gh_rve_cost *sum) {
     gh_rve_cost c;
     gh_rve_costs(f->points[k], &c);
     sum->set += c.set, sum->relax += c.relax, sum->contacts += c.contacts, sum->factorise += c.factorise,
-        sum->total += c.total;
+        sum->total += c.total, sum->history += c.history;
     sum->evaluations += c.evaluations, sum->steps += c.steps, sum->factorisations += c.factorisations,
         sum->analyses += c.analyses;
   }

@@ -271,11 +271,18 @@ static void shift_diagonal(gh_system *s, double shift) {
       if (s->free_row[k] == c) s->free_value[k] += shift;
 }
 
+/* A way down needs a symmetric matrix: what friction adds against it is left out here. */
+static void symmetrise(gh_system *s) {
+  for (int k = 0; k < s->free_start[s->nfree]; k++)
+    s->free_value[k] = 0.5 * (s->value[s->source[k]] + s->value[s->mirror[s->source[k]]]);
+}
+
 gh_status gh_system_descend(gh_system *s, const double *b, double *x) {
   enum { SHIFTS = 40 };
   if (s->nfree == 0) return GH_OK;
   double added = 0, shift = 0, first = 1e-3 * gh_system_diagonal(s) / sqrt((double)s->ndof);
   take(s, b);
+  symmetrise(s);
   s->method = 'c';
   for (int k = 0; k < SHIFTS; k++) {
     shift_diagonal(s, shift - added);

@@ -2,8 +2,8 @@
  * GPL-2.0-or-later
  *
  * Relaxation alone decides on which branch the packing ends. Newton takes over only where it cannot change
- * the branch: while the stiffness is positive definite and every full step at least halves the residual; else
- * relaxation goes on ten times further. */
+ * the branch: while the stiffness is positive definite (with friction, where it is not symmetric: regular)
+ * and every full step at least halves the residual; else relaxation goes on ten times further. */
 #include "micro/internal.h"
 
 #include <float.h>
@@ -11,25 +11,36 @@
 
 static const double first_relaxation = 1e-5;
 
-gh_status gh_rve_look_at_contacts(gh_rve *r) {
-  double start = gh_seconds();
-  gh_contact_list list;
-  GH_TRY(gh_engine_contacts(r->engine, &list));
-  r->contacts = list.contacts;
-  r->ncontacts = list.count;
-  r->force = list.force;
-  double sum = 0, largest = 0;
-  for (int c = 0; c < r->ncontacts; c++) sum += hypot(r->contacts[c].f[0], r->contacts[c].f[1]);
+/* Largest force on a free member, and largest moment over the radius where members turn. */
+static double largest_unbalance(const gh_rve *r) {
+  double largest = 0;
   if (r->relaxes)
     for (int i = 0; i < r->n; i++)
-      if (!(r->held && r->held[i])) largest = fmax(largest, hypot(r->force[2 * i], r->force[2 * i + 1]));
-  if (!isfinite(sum) || !isfinite(largest))
+      if (!(r->held && r->held[i]))
+        largest = fmax(largest, hypot(r->list.force[2 * i], r->list.force[2 * i + 1]));
+  if (r->turns)
+    for (int i = 0; i < r->n; i++) largest = fmax(largest, fabs(r->list.moment[i]) / r->radius[i]);
+  return largest;
+}
+
+gh_status gh_rve_look_at_contacts(gh_rve *r) {
+  double start = gh_seconds();
+  GH_TRY(gh_engine_contacts(r->engine, &r->list));
+  double sum = 0, all = 0, largest = largest_unbalance(r);
+  const gh_contact *q = r->list.contacts;
+  double E = r->options.law.normal_stiffness;
+  for (int c = 0; c < r->list.count; c++) {
+    all += hypot(q[c].f[0], q[c].f[1]);
+    sum += E * q[c].overlap;
+  }
+  if (!gh_rve_friction(r)) sum = all; /* the same but for round-off */
+  if (!isfinite(all) || !isfinite(sum) || !isfinite(largest))
     return gh_fail(r->ctx, GH_DIVERGED, "a contact force is not finite");
-  r->m.mean_force = r->ncontacts ? sum / r->ncontacts : 0;
+  r->m.mean_force = r->list.count ? sum / r->list.count : 0;
   /* Grains that follow F and just touch carry nothing yet, but they are stiff (6.10); free ones are loose. */
-  r->m.unjammed = r->relaxes ? r->m.mean_force <= r->floor : r->ncontacts == 0;
+  r->m.unjammed = r->relaxes ? r->m.mean_force <= r->floor : r->list.count == 0;
   r->m.residual = r->m.mean_force > 0 && !r->m.unjammed ? largest / r->m.mean_force : 0;
-  r->m.contacts = r->ncontacts;
+  r->m.contacts = r->list.count;
   r->cost.evaluations++;
   r->cost.contacts += gh_seconds() - start;
   return GH_OK;
@@ -68,51 +79,106 @@ static gh_status relax(gh_rve *r, double tolerance, long *left) {
   return GH_OK;
 }
 
-static gh_status factorise(gh_rve *r, bool *definite) {
+/* Friction leaves modes without stiffness: grains that roll on each other like gears where no odd cycle of
+ * contacts blocks them, grains that one contact holds, grains whose contacts all slide. A little stiffness of
+ * position and rotation decides them in the tangent. */
+gh_status gh_rve_factorise_coupled(gh_rve *r, bool help, bool *regular) {
+  double most = 1e-6 * r->options.law.normal_stiffness;
+  r->shift = 0;
+  GH_TRY(gh_coupled_number(r->ctx, r->coupled, r->held, r->rattlers->flag, r->turns, &r->list, r->periodic));
+  for (;;) {
+    GH_TRY(gh_coupled_factorise(r->ctx, r->coupled, r->radius, &r->list, r->shift, regular));
+    r->m.factorisations++;
+    if (*regular || !help || r->shift >= most) return GH_OK;
+    r->shift = r->shift > 0 ? 10 * r->shift : 1e-3 * most;
+  }
+}
+
+/* Rolling changes no contact force, so that any amount of it is the same equilibrium. Grains whose contacts
+ * slide without hardening can come to rest in many places, and relaxation alone says in which. */
+static bool only_rolls(const gh_rve *r) {
+  if (r->options.law.hardening > 0) return true;
+  for (int c = 0; c < r->list.count; c++)
+    if (r->list.friction[c].slides) return false;
+  return true;
+}
+
+static gh_status factorise(gh_rve *r, bool *good) {
   double start = gh_seconds();
-  GH_TRY(gh_rattlers_find(r->ctx, r->rattlers, r->n, r->held, r->contacts, r->ncontacts, r->m.mean_force,
-                          &r->m.rattlers));
-  GH_TRY(gh_stiffness_number(r->ctx, r->stiffness, r->n, r->held, r->rattlers->flag, r->contacts,
-                             r->ncontacts, r->periodic));
-  GH_TRY(gh_stiffness_factorise(r->ctx, r->stiffness, r->rattlers->flag, r->contacts, r->ncontacts, 0,
-                                definite));
-  r->m.factorisations++;
+  GH_TRY(gh_rve_find_rattlers(r));
+  if (r->coupled) {
+    GH_TRY(gh_rve_factorise_coupled(r, only_rolls(r), good));
+  } else {
+    GH_TRY(gh_stiffness_number(r->ctx, r->stiffness, r->n, r->held, r->rattlers->flag, r->list.contacts,
+                               r->list.count, r->periodic));
+    GH_TRY(gh_stiffness_factorise(r->ctx, r->stiffness, r->rattlers->flag, r->list.contacts, r->list.count, 0,
+                                  good));
+    r->m.factorisations++;
+  }
   r->cost.factorise += gh_seconds() - start;
+  return GH_OK;
+}
+
+static gh_status solve_forces(gh_rve *r) {
+  const gh_stiffness *s = r->stiffness;
+  const double *dx;
+  for (int i = 0; i < r->n; i++)
+    if (s->active[i] >= 0) memcpy(&s->rhs[2 * s->active[i]], &r->list.force[2 * i], 2 * sizeof(double));
+  GH_TRY(gh_stiffness_solve(r->ctx, r->stiffness, 1, &dx));
+  for (int i = 0; i < r->n; i++)
+    for (int k = 0; k < 2; k++)
+      r->step[2 * i + k] = r->x[2 * i + k] + (s->active[i] >= 0 ? dx[2 * s->active[i] + k] : 0);
+  return GH_OK;
+}
+
+static gh_status solve_forces_and_moments(gh_rve *r) {
+  const gh_coupled *s = r->coupled;
+  const double *dx;
+  for (int i = 0; i < r->n; i++) {
+    const double out[3] = {r->list.force[2 * i], r->list.force[2 * i + 1], r->list.moment[i]};
+    for (int k = 0; k < 3; k++)
+      if (s->unknown[3 * i + k] >= 0) s->rhs[s->unknown[3 * i + k]] = out[k];
+  }
+  GH_TRY(gh_coupled_solve(r->ctx, r->coupled, 1, &dx));
+  for (int i = 0; i < r->n; i++) {
+    const int *u = &s->unknown[3 * i];
+    for (int k = 0; k < 2; k++) r->step[2 * i + k] = r->x[2 * i + k] + (u[k] >= 0 ? dx[u[k]] : 0);
+    r->turn[i] = r->theta[i] + (u[2] >= 0 ? dx[u[2]] : 0);
+  }
   return GH_OK;
 }
 
 /* One full Newton step from x to r->step; the engine is left there. */
 static gh_status newton_step(gh_rve *r) {
   double start = gh_seconds();
-  const gh_stiffness *s = r->stiffness;
-  const double *dx;
-  for (int i = 0; i < r->n; i++)
-    if (s->active[i] >= 0) memcpy(&s->rhs[2 * s->active[i]], &r->force[2 * i], 2 * sizeof(double));
-  GH_TRY(gh_stiffness_solve(r->ctx, r->stiffness, 1, &dx));
-  for (int i = 0; i < r->n; i++)
-    for (int k = 0; k < 2; k++)
-      r->step[2 * i + k] = r->x[2 * i + k] + (s->active[i] >= 0 ? dx[2 * s->active[i] + k] : 0);
+  GH_TRY(r->coupled ? solve_forces_and_moments(r) : solve_forces(r));
   r->cost.factorise += gh_seconds() - start;
-  return gh_engine_move(r->engine, r->step, NULL);
+  return gh_engine_move(r->engine, r->step, r->turn);
 }
 
 /* Newton from the engine's positions as long as it is safe. *done: the residual is reached. Else the engine
- * is at the last safe positions. */
-static gh_status polish(gh_rve *r, bool *done) {
+ * is at the last safe positions, and *again says whether it is worth another try further on. */
+static gh_status polish(gh_rve *r, bool *done, bool *again) {
   *done = false;
-  GH_TRY(gh_engine_get(r->engine, r->x, NULL));
+  *again = true;
+  const double fall = r->relaxes ? 0.5 : 0.95; /* rotations alone have one equilibrium: any fall will do */
+  GH_TRY(gh_engine_get(r->engine, r->x, r->theta));
   for (;;) {
-    bool definite;
+    bool good;
     double before = r->m.residual;
-    GH_TRY(factorise(r, &definite));
-    if (!definite) return GH_OK;
+    GH_TRY(factorise(r, &good));
+    if (!good) { /* with friction: grains that carry nothing slide on their last contact until the end */
+      *again = !r->coupled;
+      return GH_OK;
+    }
     GH_TRY(newton_step(r));
     GH_TRY(gh_rve_look_at_contacts(r));
-    if (!(r->m.residual <= before / 2) || r->m.unjammed) { /* back to where it was */
-      GH_TRY(gh_engine_move(r->engine, r->x, NULL));
+    if (!(r->m.residual <= fall * before) || r->m.unjammed) { /* back to where it was */
+      GH_TRY(gh_engine_move(r->engine, r->x, r->theta));
       return gh_rve_look_at_contacts(r);
     }
     memcpy(r->x, r->step, 2 * (size_t)r->n * sizeof(double));
+    if (r->theta) memcpy(r->theta, r->turn, (size_t)r->n * sizeof(double));
     *done = r->m.residual <= target(r);
     r->m.polished = *done;
     if (*done) return GH_OK;
@@ -128,23 +194,35 @@ static void find_limits(gh_rve *r, const double cell[4]) {
   r->floor = fmax(1e-13 * E * gh_packing_mean_radius(r->packing), 4 * DBL_EPSILON * E * r->extent);
 }
 
+/* Where rotations alone are unknown, the branch cannot change: at a fixed Coulomb limit their incremental
+ * potential is convex (positions fix the normal forces). Newton may begin at once there. */
+static gh_status solve(gh_rve *r) {
+  long left = r->options.max_steps;
+  double aim = fmax(first_relaxation, r->options.tolerance);
+  bool done = false, again;
+  if (!r->relaxes) {
+    GH_TRY(gh_rve_look_at_contacts(r));
+    if (r->m.unjammed || r->m.residual <= target(r)) return GH_OK;
+    GH_TRY(polish(r, &done, &again));
+  }
+  while (!done) {
+    GH_TRY(relax(r, aim, &left));
+    if (r->m.unjammed || r->m.residual <= target(r)) break;
+    GH_TRY(polish(r, &done, &again));
+    if (!done) aim = again ? fmax(fmin(r->m.residual, aim) / 10, target(r)) : target(r);
+  }
+  return GH_OK;
+}
+
 gh_status gh_rve_equilibrate(gh_rve *r) {
   double cell[4];
   double start = gh_seconds();
   gh_mul2(r->F, r->packing->cell, cell);
   find_limits(r, cell);
-  GH_TRY(gh_engine_set(r->engine, cell, r->x, NULL));
+  r->shift = 0;
+  GH_TRY(gh_engine_set(r->engine, cell, r->x, r->theta));
   r->cost.set += gh_seconds() - start;
-  if (!r->relaxes) return gh_rve_look_at_contacts(r);
-  long left = r->options.max_steps;
-  double aim = fmax(first_relaxation, r->options.tolerance);
-  for (;;) {
-    GH_TRY(relax(r, aim, &left));
-    if (r->m.unjammed || r->m.residual <= target(r)) break;
-    bool done;
-    GH_TRY(polish(r, &done));
-    if (done) break;
-    aim = fmax(fmin(r->m.residual, aim) / 10, target(r));
-  }
-  return gh_engine_get(r->engine, r->x, NULL);
+  if (!gh_rve_solves(r)) return gh_rve_look_at_contacts(r);
+  GH_TRY(solve(r));
+  return gh_engine_get(r->engine, r->x, r->theta);
 }

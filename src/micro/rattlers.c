@@ -92,3 +92,11 @@ gh_status gh_rattlers_find(gh_context *ctx, gh_rattlers *r, int n, const unsigne
   }
   return GH_OK;
 }
+
+int gh_rattlers_loose(gh_rattlers *r, int n, const unsigned char *held, const gh_contact_list *list) {
+  int count = 0;
+  memset(r->flag, 1, (size_t)n);
+  for (int c = 0; c < list->count; c++) r->flag[list->contacts[c].i] = r->flag[list->contacts[c].j] = 0;
+  for (int i = 0; i < n; i++) count += r->flag[i] && !(held && held[i]);
+  return count;
+}

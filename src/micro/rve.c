@@ -5,7 +5,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { DEFAULT_STEPS = 400000 };
+/* Friction makes relaxation short where there is an equilibrium at all: a few hundred steps. */
+enum { DEFAULT_STEPS = 400000, DEFAULT_STEPS_FRICTION = 50000 };
 
 static const char *const boundary_names[] = {"taylor", "taylor-cell", "restricted", "periodic"};
 
@@ -20,8 +21,12 @@ const char *gh_boundary_name(gh_boundary b) {
 }
 
 gh_rve_options gh_rve_defaults(void) {
-  return (gh_rve_options){
-      .boundary = GH_PERIODIC, .engine = GH_ENGINE_LAMMPS, .tolerance = 1e-8, .max_steps = DEFAULT_STEPS};
+  return (gh_rve_options){.boundary = GH_PERIODIC, .engine = GH_ENGINE_LAMMPS, .tolerance = 1e-8};
+}
+
+long gh_rve_step_limit(const gh_rve_options *o) {
+  if (o->max_steps > 0) return o->max_steps;
+  return o->law.friction ? DEFAULT_STEPS_FRICTION : DEFAULT_STEPS;
 }
 
 void gh_rve_destroy(gh_rve **rve) {
@@ -29,10 +34,24 @@ void gh_rve_destroy(gh_rve **rve) {
   gh_rve *r = *rve;
   gh_engine_destroy(&r->engine);
   gh_stiffness_destroy(&r->stiffness);
+  gh_coupled_destroy(&r->coupled);
   gh_rattlers_destroy(&r->rattlers);
   gh_cluster_destroy(&r->cluster);
   gh_packing_destroy(&r->packing);
-  void *const arrays[] = {r->X, r->yn, r->y, r->x, r->step, r->view_grain, r->view_id, r->view_flags};
+  void *const arrays[] = {r->X,
+                          r->yn,
+                          r->y,
+                          r->x,
+                          r->step,
+                          r->thetan,
+                          r->theta,
+                          r->turn,
+                          r->view_grain,
+                          r->view_id,
+                          r->view_flags,
+                          r->all_held,
+                          r->history.slips,
+                          r->trial_history.slips};
   for (size_t k = 0; k < sizeof arrays / sizeof *arrays; k++) free(arrays[k]);
   free(r);
   *rve = NULL;
@@ -51,6 +70,11 @@ static gh_status make_engine(gh_rve *r) {
   const gh_cluster *c = r->cluster;
   r->radius = c ? c->radius : r->packing->radius;
   if (r->options.boundary == GH_RESTRICTED) r->held = c->boundary;
+  if (r->turns && !r->relaxes) { /* all positions are prescribed, but rotations are not */
+    GH_TRY(gh_alloc(r->ctx, (size_t)r->n, 1, &r->all_held));
+    memset(r->all_held, 1, (size_t)r->n);
+    r->held = r->all_held;
+  }
   gh_engine_setup setup = {.n = r->n,
                            .radius = r->radius,
                            .type = c ? c->type : r->packing->type,
@@ -73,7 +97,18 @@ static gh_status make_state(gh_rve *r) {
   memcpy(r->y, r->X, n * sizeof(double));
   memcpy(r->Fn, (double[4]){1, 0, 0, 1}, sizeof r->Fn);
   memcpy(r->F, r->Fn, sizeof r->F);
+  if (!gh_rve_friction(r)) return GH_OK;
+  double **const turns[] = {&r->thetan, &r->theta, &r->turn};
+  for (size_t k = 0; k < sizeof turns / sizeof *turns; k++)
+    GH_TRY(gh_alloc(r->ctx, (size_t)r->n, sizeof(double), turns[k]));
   return GH_OK;
+}
+
+static gh_status make_solver(gh_rve *r) {
+  if (!gh_rve_solves(r)) return GH_OK;
+  GH_TRY(gh_rattlers_create(r->ctx, r->n, &r->rattlers));
+  if (gh_rve_friction(r)) return gh_coupled_create(r->ctx, r->n, &r->coupled);
+  return gh_stiffness_create(r->ctx, r->n, &r->stiffness);
 }
 
 gh_status gh_rve_create(gh_context *ctx, const gh_packing *packing, const gh_rve_options *options,
@@ -85,9 +120,10 @@ gh_status gh_rve_create(gh_context *ctx, const gh_packing *packing, const gh_rve
   gh_status status;
   r->ctx = ctx;
   r->options = *options;
-  if (r->options.max_steps == 0) r->options.max_steps = DEFAULT_STEPS;
+  r->options.max_steps = gh_rve_step_limit(options);
   gh_boundary b = options->boundary;
   r->relaxes = b == GH_RESTRICTED || b == GH_PERIODIC;
+  r->turns = options->law.friction && !options->law.fixed_rotations;
   r->periodic = b == GH_TAYLOR_CELL || b == GH_PERIODIC;
   GH_TRY_OR(gh_packing_copy(ctx, packing, &r->packing), failed);
   if (!r->periodic) GH_TRY_OR(gh_cluster_create(ctx, packing, &r->cluster), failed);
@@ -95,10 +131,7 @@ gh_status gh_rve_create(gh_context *ctx, const gh_packing *packing, const gh_rve
   r->volume = gh_det2(packing->cell);
   GH_TRY_OR(make_engine(r), failed);
   GH_TRY_OR(make_state(r), failed);
-  if (r->relaxes) {
-    GH_TRY_OR(gh_stiffness_create(ctx, r->n, &r->stiffness), failed);
-    GH_TRY_OR(gh_rattlers_create(ctx, r->n, &r->rattlers), failed);
-  }
+  GH_TRY_OR(make_solver(r), failed);
   *rve = r;
   return GH_OK;
 failed:
@@ -113,17 +146,55 @@ static void pull_back(gh_rve *r) {
   for (int i = 0; i < r->n; i++) gh_apply2(inverse, &r->x[2 * i], &r->y[2 * i]);
 }
 
+gh_status gh_rve_find_rattlers(gh_rve *r) {
+  if (!gh_rve_friction(r))
+    return gh_rattlers_find(r->ctx, r->rattlers, r->n, r->held, r->list.contacts, r->list.count,
+                            r->m.mean_force, &r->m.rattlers);
+  r->m.rattlers = gh_rattlers_loose(r->rattlers, r->n, r->held, &r->list);
+  return GH_OK;
+}
+
+/* The engine gets the converged state once, and not again before it changes. */
+static gh_status begin_increment(gh_rve *r) {
+  if (!gh_rve_friction(r) || r->begun) return GH_OK;
+  gh_converged c = {.theta = r->thetan, .slips = r->history.slips, .nslips = r->history.count, .x = r->step};
+  gh_mul2(r->Fn, r->packing->cell, c.cell);
+  for (int i = 0; i < r->n; i++) gh_apply2(r->Fn, &r->yn[2 * i], &r->step[2 * i]);
+  GH_TRY(gh_engine_begin(r->engine, &c));
+  r->begun = true;
+  return GH_OK;
+}
+
+/* Grains are guessed to turn with the body: by the rotation of the increment's F Fn^-1. Where they slide,
+ * there are many equilibria, and a guess that stays behind would end in one that a rigid rotation does not
+ * have. */
+static void guess_rotations(gh_rve *r) {
+  double f[4], inverse[4];
+  gh_inv2(r->Fn, inverse);
+  gh_mul2(r->F, inverse, f);
+  double turn = r->turns ? atan2(f[2] - f[1], f[0] + f[3]) : 0;
+  for (int i = 0; i < r->n; i++) r->theta[i] = r->thetan[i] + turn;
+}
+
+static gh_status advance_history(gh_rve *r) {
+  double start = gh_seconds();
+  GH_TRY(gh_slips_advance(r->ctx, &r->history, &r->list, r->options.law.hardening > 0, &r->trial_history));
+  r->cost.history += gh_seconds() - start;
+  return GH_OK;
+}
+
 static gh_status evaluate(gh_rve *r, unsigned want, double A[16]) {
+  GH_TRY(begin_increment(r));
   for (int i = 0; i < r->n; i++)
     gh_apply2(r->F, &r->yn[2 * i], &r->x[2 * i]); /* the affine guess keeps the fluctuations */
+  if (r->theta) guess_rotations(r);
   GH_TRY(gh_rve_equilibrate(r));
-  if (r->relaxes) { /* the rattlers of the equilibrium serve the sums and the tangent */
-    pull_back(r);
-    GH_TRY(gh_rattlers_find(r->ctx, r->rattlers, r->n, r->held, r->contacts, r->ncontacts, r->m.mean_force,
-                            &r->m.rattlers));
-  }
+  if (r->relaxes) pull_back(r);
+  if (gh_rve_solves(r)) GH_TRY(gh_rve_find_rattlers(r)); /* they serve the sums and the tangent */
   GH_TRY(gh_rve_sums(r));
-  return want & GH_WANT_TANGENT ? gh_rve_tangent(r, A) : GH_OK;
+  if (gh_rve_friction(r)) GH_TRY(advance_history(r));
+  if (!(want & GH_WANT_TANGENT)) return GH_OK;
+  return gh_rve_friction(r) ? gh_rve_tangent_friction(r, A) : gh_rve_tangent(r, A);
 }
 
 gh_status gh_rve_evaluate(gh_rve *r, const double F[4], unsigned want, double P[4], double A[16]) {
@@ -151,6 +222,13 @@ gh_status gh_rve_commit(gh_rve *r) {
   memcpy(r->Fn, r->F, sizeof r->Fn);
   memcpy(r->yn, r->y, 2 * (size_t)r->n * sizeof(double));
   r->trial = false;
+  if (!gh_rve_friction(r)) return GH_OK;
+  memcpy(r->thetan, r->theta, (size_t)r->n * sizeof(double));
+  gh_slips swap = r->history;
+  r->history = r->trial_history;
+  r->trial_history = swap;
+  r->dissipatedn = r->dissipated;
+  r->begun = false;
   return GH_OK;
 }
 
@@ -169,42 +247,103 @@ void gh_rve_costs(const gh_rve *r, gh_rve_cost *cost) {
     cost->factorisations = r->stiffness->factorisations;
     cost->analyses = r->stiffness->analyses;
   }
+  if (r->coupled) {
+    cost->factorisations = r->coupled->factorisations;
+    cost->analyses = r->coupled->analyses;
+  }
+  gh_engine_cost engine;
+  gh_engine_costs(r->engine, &engine);
+  cost->history += engine.history_seconds;
+}
+
+/* A state is F, positions y; and with friction rotations, the dissipation, the number of slips and the slips.
+ */
+enum { SLIP = 7 };
+
+static size_t state_size(const gh_rve *r, const gh_slips *h) {
+  size_t n = (size_t)r->n, basic = 4 + 2 * n;
+  return gh_rve_friction(r) ? basic + n + 2 + SLIP * (size_t)h->count : basic;
+}
+
+static void save(const gh_rve *r, bool trial, double *state) {
+  size_t n = (size_t)r->n;
+  memcpy(state, trial ? r->F : r->Fn, 4 * sizeof *state);
+  memcpy(state + 4, trial ? r->y : r->yn, 2 * n * sizeof *state);
+  if (!gh_rve_friction(r)) return;
+  const gh_slips *h = trial ? &r->trial_history : &r->history;
+  double *more = state + 4 + 2 * n;
+  memcpy(more, trial ? r->theta : r->thetan, n * sizeof *state);
+  more[n] = trial ? r->dissipated : r->dissipatedn;
+  more[n + 1] = h->count;
+  for (int c = 0; c < h->count; c++) {
+    const gh_slip *q = &h->slips[c];
+    memcpy(more + n + 2 + SLIP * (size_t)c,
+           (double[SLIP]){q->i, q->j, q->image[0], q->image[1], q->gamma, q->gamma_pl, q->alpha},
+           SLIP * sizeof *state);
+  }
 }
 
 size_t gh_rve_state_size(const gh_rve *r) {
-  return 4 + 2 * (size_t)r->n;
+  return state_size(r, &r->history);
 }
 
 size_t gh_rve_trial_size(const gh_rve *r) {
-  return 4 + 2 * (size_t)r->n;
-}
-
-static void save(const gh_rve *r, const double F[4], const double *y, double *state) {
-  memcpy(state, F, 4 * sizeof *F);
-  memcpy(state + 4, y, 2 * (size_t)r->n * sizeof *y);
+  return state_size(r, r->trial ? &r->trial_history : &r->history);
 }
 
 gh_status gh_rve_save(const gh_rve *r, double *state) {
-  save(r, r->Fn, r->yn, state);
+  save(r, false, state);
   return GH_OK;
 }
 
 gh_status gh_rve_save_trial(const gh_rve *r, double *state) {
-  save(r, r->trial ? r->F : r->Fn, r->trial ? r->y : r->yn, state);
+  save(r, r->trial, state);
+  return GH_OK;
+}
+
+static gh_status check_state(const gh_rve *r, const double *state, size_t size) {
+  size_t n = (size_t)r->n, least = state_size(r, &(gh_slips){0}), slips = size - least;
+  bool fits = gh_rve_friction(r) ? size >= least && slips % SLIP == 0 : size == least;
+  if (!fits)
+    return gh_fail(r->ctx, GH_INPUT,
+                   "the state to load has %zu numbers, which does not fit this packing and its contact law",
+                   size);
+  if (!gh_finite(state, size) || !(gh_det2(state) > 0))
+    return gh_fail(r->ctx, GH_INPUT,
+                   "the state to load has a value that is not finite, or F with det F <= 0");
+  if (gh_rve_friction(r) && state[4 + 3 * n + 1] != (double)(slips / SLIP))
+    return gh_fail(r->ctx, GH_INPUT, "the state to load says %g contacts with history and has %zu",
+                   state[4 + 3 * n + 1], slips / SLIP);
+  return GH_OK;
+}
+
+static gh_status load_history(gh_rve *r, const double *from, int count) {
+  gh_slips *h = &r->history;
+  GH_TRY(gh_grow(r->ctx, (size_t)count + 1, sizeof(gh_slip), &h->capacity, &h->slips));
+  h->count = 0;
+  for (const double *q = from; h->count < count; q += SLIP) {
+    for (int k = 0; k < 4; k++)
+      if (q[k] != nearbyint(q[k]) || fabs(q[k]) > 1e9)
+        return gh_fail(r->ctx, GH_INPUT, "the state to load has a contact whose key is not made of integers");
+    h->slips[h->count++] = (gh_slip){.i = (int)q[0],
+                                     .j = (int)q[1],
+                                     .image = {(int)q[2], (int)q[3]},
+                                     .gamma = q[4],
+                                     .gamma_pl = q[5],
+                                     .alpha = q[6]};
+  }
   return GH_OK;
 }
 
 gh_status gh_rve_load(gh_rve *r, const double *state, size_t size) {
-  if (size != gh_rve_state_size(r))
-    return gh_fail(r->ctx, GH_INPUT, "the state to load has %zu numbers, this RVE has %zu", size,
-                   gh_rve_state_size(r));
-  if (!gh_finite(state, size) || !(gh_det2(state) > 0))
-    return gh_fail(r->ctx, GH_INPUT,
-                   "the state to load has a value that is not finite, or F with det F <= 0");
+  size_t n = (size_t)r->n;
+  GH_TRY(check_state(r, state, size));
   memcpy(r->Fn, state, sizeof r->Fn);
-  memcpy(r->yn, state + 4, 2 * (size_t)r->n * sizeof(double));
-  memcpy(r->y, r->yn,
-         2 * (size_t)r->n * sizeof(double)); /* where all grains follow F, no evaluation sets it */
-  r->trial = false;
-  return GH_OK;
+  memcpy(r->yn, state + 4, 2 * n * sizeof(double));
+  memcpy(r->y, r->yn, 2 * n * sizeof(double)); /* where all grains follow F, no evaluation sets it */
+  r->trial = r->begun = false;
+  if (!gh_rve_friction(r)) return GH_OK;
+  memcpy(r->thetan, state + 4 + 2 * n, n * sizeof(double));
+  r->dissipatedn = state[4 + 3 * n];
+  return load_history(r, state + 4 + 3 * n + 2, (int)state[4 + 3 * n + 1]);
 }

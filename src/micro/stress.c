@@ -12,13 +12,31 @@ static double grain_area(const gh_rve *r) {
   return area;
 }
 
+/* Energy, dissipation and the number of sliding contacts. */
+static gh_status friction_sums(gh_rve *r) {
+  if (!gh_rve_friction(r)) return GH_OK;
+  double energy = 0, dissipated = 0;
+  const gh_friction *t = r->list.friction;
+  for (int c = 0; c < r->list.count; c++) {
+    energy += t[c].energy;
+    dissipated += t[c].dissipated;
+    r->m.sliding += t[c].slides != 0;
+  }
+  r->dissipated = r->dissipatedn + dissipated;
+  r->m.energy_t = r->m.unjammed ? 0 : energy / r->volume;
+  r->m.dissipation = r->dissipated / r->volume;
+  if (!isfinite(r->m.energy_t) || !isfinite(r->m.dissipation))
+    return gh_fail(r->ctx, GH_DIVERGED, "the energy of the sliding contacts is not finite");
+  return GH_OK;
+}
+
 gh_status gh_rve_sums(gh_rve *r) {
   double inverse[4], P[4] = {0}, energy = 0, fabric[3] = {0};
   int carrying = 0;
   gh_inv2(r->F, inverse);
   if (!r->m.unjammed)
-    for (int c = 0; c < r->ncontacts; c++) {
-      const gh_contact *q = &r->contacts[c];
+    for (int c = 0; c < r->list.count; c++) {
+      const gh_contact *q = &r->list.contacts[c];
       double m[2], d2 = q->l[0] * q->l[0] + q->l[1] * q->l[1];
       gh_apply2(inverse, q->l, m); /* the branch vector before the deformation */
       for (int k = 0; k < 4; k++) P[k] += q->f[k / 2] * m[k % 2];
@@ -26,13 +44,16 @@ gh_status gh_rve_sums(gh_rve *r) {
       fabric[0] += q->l[0] * q->l[0] / d2;
       fabric[1] += q->l[0] * q->l[1] / d2;
       fabric[2] += q->l[1] * q->l[1] / d2;
-      carrying += !(r->relaxes && (r->rattlers->flag[q->i] || r->rattlers->flag[q->j]));
+      carrying += !(r->rattlers && (r->rattlers->flag[q->i] || r->rattlers->flag[q->j]));
     }
+  GH_TRY(friction_sums(r));
+  energy += r->m.energy_t * r->volume;
   for (int k = 0; k < 4; k++) r->m.P[k] = P[k] / r->volume;
   r->m.energy = energy / r->volume;
   if (!gh_finite(r->m.P, 4) || !isfinite(r->m.energy))
     return gh_fail(r->ctx, GH_DIVERGED, "the stress of the packing is not finite");
-  for (int k = 0; k < 3; k++) r->m.fabric[k] = !r->m.unjammed && r->ncontacts ? fabric[k] / r->ncontacts : 0;
+  for (int k = 0; k < 3; k++)
+    r->m.fabric[k] = !r->m.unjammed && r->list.count ? fabric[k] / r->list.count : 0;
   gh_cauchy2(r->m.P, r->F, r->m.cauchy);
   r->m.volume_fraction = grain_area(r) / (r->volume * gh_det2(r->F));
   int members = r->n - r->m.rattlers;
@@ -49,8 +70,8 @@ static void direct_part(gh_rve *r, double A[16]) {
   gh_inv2(r->F, inverse);
   memset(A, 0, 16 * sizeof *A);
   if (rows > 0) memset(s->rhs, 0, 4 * rows * sizeof *s->rhs); /* there is none without unknown grains */
-  for (int c = 0; c < r->ncontacts; c++) {
-    const gh_contact *q = &r->contacts[c];
+  for (int c = 0; c < r->list.count; c++) {
+    const gh_contact *q = &r->list.contacts[c];
     if (r->relaxes && (r->rattlers->flag[q->i] || r->rattlers->flag[q->j])) continue;
     double m[2], h[4] = {q->h[0], q->h[1], q->h[1], q->h[2]};
     gh_apply2(inverse, q->l, m);
@@ -72,11 +93,11 @@ static void direct_part(gh_rve *r, double A[16]) {
 static gh_status factor_of_equilibrium(gh_rve *r) {
   bool definite;
   double shift = 0;
-  GH_TRY(gh_stiffness_number(r->ctx, r->stiffness, r->n, r->held, r->rattlers->flag, r->contacts,
-                             r->ncontacts, r->periodic));
+  GH_TRY(gh_stiffness_number(r->ctx, r->stiffness, r->n, r->held, r->rattlers->flag, r->list.contacts,
+                             r->list.count, r->periodic));
   for (;;) {
-    GH_TRY(gh_stiffness_factorise(r->ctx, r->stiffness, r->rattlers->flag, r->contacts, r->ncontacts, shift,
-                                  &definite));
+    GH_TRY(gh_stiffness_factorise(r->ctx, r->stiffness, r->rattlers->flag, r->list.contacts, r->list.count,
+                                  shift, &definite));
     r->m.factorisations++;
     if (definite) return GH_OK;
     r->m.regularised = 1;
@@ -126,15 +147,15 @@ gh_status gh_rve_boundary_stress(gh_rve *r, double P[4]) {
   if (r->m.unjammed) return GH_OK;
   const double *y = r->y;
   if (r->periodic) /* (5.22): the contacts across the boundary work on the lattice vectors */
-    for (int c = 0; c < r->ncontacts; c++) {
+    for (int c = 0; c < r->list.count; c++) {
       double m[2];
-      bridge(r, &r->contacts[c], y, m);
-      for (int k = 0; k < 4; k++) P[k] += r->contacts[c].f[k / 2] * m[k % 2];
+      bridge(r, &r->list.contacts[c], y, m);
+      for (int k = 0; k < 4; k++) P[k] += r->list.contacts[c].f[k / 2] * m[k % 2];
     }
   for (int i = 0; i < r->n;
        i++) { /* (5.16), (5.19): outer forces balance the contacts of the prescribed grains */
     if (r->relaxes && !(r->held && r->held[i])) continue;
-    for (int k = 0; k < 4; k++) P[k] -= r->force[2 * i + k / 2] * y[2 * i + k % 2];
+    for (int k = 0; k < 4; k++) P[k] -= r->list.force[2 * i + k / 2] * y[2 * i + k % 2];
   }
   for (int k = 0; k < 4; k++) P[k] /= r->volume;
   return GH_OK;

@@ -17,14 +17,16 @@ gh_status gh_rve_look(gh_rve *r, gh_rve_view *view) {
         (unsigned char)((rattler ? RATTLER : 0) | (held ? HELD : 0) | (i >= p->n ? REPLICA : 0));
   }
   *view = (gh_rve_view){.n = r->n,
-                        .ncontacts = r->ncontacts,
+                        .ncontacts = r->list.count,
                         .x = r->x,
                         .radius = r->radius,
                         .grain = r->view_grain,
                         .type = r->cluster ? r->cluster->type : p->type,
                         .id = r->view_id,
                         .flags = r->view_flags,
-                        .contacts = r->contacts,
+                        .contacts = r->list.contacts,
+                        .friction = r->list.friction,
+                        .theta = r->theta,
                         .periodic = r->periodic};
   gh_mul2(r->F, p->cell, view->cell);
   gh_apply2(r->F, p->low, view->low);

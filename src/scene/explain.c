@@ -1,6 +1,44 @@
 /* Scenes and runs in words. SPDX-License-Identifier: GPL-2.0-or-later */
 #include "scene/internal.h"
 
+static void explain_contact(const gh_contact_law *law, gh_text *out) {
+  gh_text_print(out, "contact           normal, one-sided harmonic, stiffness %g; ", law->normal_stiffness);
+  if (!law->friction) {
+    gh_text_print(out, "frictionless\n");
+    return;
+  }
+  gh_text_print(out,
+                "Coulomb friction %g (%.4g degrees), tangential stiffness %g, hardening %g;\n"
+                "                  slip %s, rotations %s\n",
+                law->friction_coefficient, atan(law->friction_coefficient) * 180 / acos(-1),
+                law->tangential_stiffness, law->hardening,
+                law->slip == GH_SLIP_OBJECTIVE ? "objective" : "projected",
+                law->fixed_rotations ? "fixed" : "free");
+}
+
+static void explain_left_out(const gh_scene *s, bool relaxes, bool turns, gh_text *out) {
+  const gh_contact_law *law = &s->micro.law;
+  const char *friction =
+                 law->friction
+                     ? ""
+                     : "grain rotations, tangential forces and the history of contacts (frictionless)",
+             *turn = law->friction && !turns ? "grain rotations" : "",
+             *moves = relaxes ? ""
+                      : turns ? "motion of the grains but their rotations"
+                              : "relaxation, factorisation of the grains' stiffness";
+  const char *hardening =
+      law->friction && law->hardening == 0 ? "hardening of contacts that have opened" : "";
+  const char *parts[] = {friction, turn, moves, hardening};
+  const char *join = "";
+  gh_text_print(out, "left out          ");
+  for (int k = 0; k < 4; k++) {
+    if (!*parts[k]) continue;
+    gh_text_print(out, "%s%s", join, parts[k]);
+    join = "; ";
+  }
+  gh_text_print(out, "%s\n", *join ? "" : "nothing");
+}
+
 static void explain_micro(const gh_scene *s, gh_text *out) {
   static const char *const meaning[] = {
       [GH_TAYLOR] = "every grain follows F: no relaxation, the tangent is a sum over contacts",
@@ -15,17 +53,16 @@ static void explain_micro(const gh_scene *s, gh_text *out) {
                 s->packing->n, s->packing_path);
   gh_text_print(out, "boundary          %s: %s\n", gh_boundary_name(s->micro.boundary),
                 meaning[s->micro.boundary]);
+  bool turns = s->micro.law.friction && !s->micro.law.fixed_rotations;
   gh_text_print(out, "engine            %s%s\n", s->micro.engine == GH_ENGINE_NATIVE ? "native" : "lammps",
-                relaxes ? "" : ", for the contacts only");
-  gh_text_print(out, "contact           normal, one-sided harmonic, stiffness %g; frictionless\n",
-                s->micro.law.normal_stiffness);
-  if (relaxes)
+                relaxes ? ""
+                : turns ? ", for contacts and rotations"
+                        : ", for the contacts only");
+  explain_contact(&s->micro.law, out);
+  if (relaxes || turns)
     gh_text_print(out, "relaxation        central differences, then Newton, to a residual of %g\n",
                   s->micro.tolerance);
-  gh_text_print(
-      out,
-      "left out          grain rotations, tangential forces and the history of contacts (frictionless)%s\n",
-      relaxes ? "" : "; relaxation, factorisation of the grains' stiffness");
+  explain_left_out(s, relaxes, turns, out);
 }
 
 static void explain_solver(const gh_scene *s, gh_text *out) {
@@ -41,8 +78,9 @@ static void explain_solver(const gh_scene *s, gh_text *out) {
       "                  an increment that fails is halved up to %d times; jumps of the packings are %s\n",
       s->solver.cut_steps, s->solver.pass_jumps ? "passed and counted" : "not passed");
   gh_text_print(out, "linear systems    %d unknowns at most, %s\n", 2 * s->mesh->nnodes,
-                follows ? "unsymmetric: pressure that follows the edge"
-                        : "symmetric (no friction, dead loads)");
+                follows                 ? "unsymmetric: pressure that follows the edge"
+                : s->micro.law.friction ? "unsymmetric: friction"
+                                        : "symmetric (no friction, dead loads)");
 }
 
 static void explain_start(const gh_scene *s, gh_text *out) {

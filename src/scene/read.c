@@ -95,12 +95,73 @@ static gh_status read_packing(gh_scene *s, node root, const char *folder) {
   return status;
 }
 
+/* The number at an optional key of `contact`, 0 or more. */
+static gh_status optional_amount(node map, const char *key, double *value) {
+  node n = gh_yaml_get(map, key);
+  if (!gh_yaml_has(n)) return GH_OK;
+  GH_TRY(scene_number(n, key, value));
+  if (!(*value >= 0)) return gh_yaml_fail(n, "%s is %g, it must not be negative", key, *value);
+  return GH_OK;
+}
+
+/* One of two words: 0 or 1. */
+static gh_status optional_choice(node map, const char *key, const char *const words[2], int *value) {
+  node n = gh_yaml_get(map, key);
+  const char *word;
+  *value = 0;
+  if (!gh_yaml_has(n)) return GH_OK;
+  GH_TRY(gh_yaml_text(n, key, &word));
+  *value = strcmp(word, words[1]) == 0;
+  if (*value || strcmp(word, words[0]) == 0) return GH_OK;
+  return gh_yaml_fail(n, "%s '%s' is none of %s, %s", key, word, words[0], words[1]);
+}
+
+/* The coefficient of friction, from one of two keys. */
+static gh_status read_friction(gh_contact_law *law, node contact) {
+  node angle = gh_yaml_get(contact, "friction_angle"), mu = gh_yaml_get(contact, "friction_coefficient");
+  double degrees = 0;
+  if (gh_yaml_has(angle) && gh_yaml_has(mu))
+    return gh_yaml_fail(mu, "friction_angle and friction_coefficient say the same: give one of them");
+  law->friction = gh_yaml_has(angle) || gh_yaml_has(mu);
+  GH_TRY(optional_amount(contact, "friction_coefficient", &law->friction_coefficient));
+  if (!gh_yaml_has(angle)) return GH_OK;
+  GH_TRY(optional_amount(contact, "friction_angle", &degrees));
+  if (!(degrees < 90))
+    return gh_yaml_fail(angle, "friction_angle is %g, it must be below 90 degrees", degrees);
+  law->friction_coefficient = tan(degrees * acos(-1) / 180);
+  return GH_OK;
+}
+
+static gh_status read_tangential(gh_contact_law *law, node contact) {
+  static const char *const keys[] = {"tangential_stiffness", "hardening", "rotations", "slip"};
+  int slip;
+  for (size_t k = 0; k < 4 && !law->friction; k++) {
+    node n = gh_yaml_get(contact, keys[k]);
+    if (gh_yaml_has(n))
+      return gh_yaml_fail(n, "%s needs friction: friction_angle or friction_coefficient", keys[k]);
+  }
+  if (!law->friction) return GH_OK;
+  node n = gh_yaml_get(contact, "tangential_stiffness");
+  law->tangential_stiffness = law->normal_stiffness;
+  if (gh_yaml_has(n)) GH_TRY(scene_positive(n, "tangential_stiffness", &law->tangential_stiffness));
+  GH_TRY(optional_amount(contact, "hardening", &law->hardening));
+  GH_TRY(optional_choice(contact, "rotations", (const char *[]){"free", "fixed"}, &law->fixed_rotations));
+  GH_TRY(optional_choice(contact, "slip", (const char *[]){"projected", "objective"}, &slip));
+  law->slip = slip ? GH_SLIP_OBJECTIVE : GH_SLIP_PROJECTED;
+  return GH_OK;
+}
+
 static gh_status read_contact(gh_scene *s, node root) {
+  gh_contact_law *law = &s->micro.law;
   node contact, n;
   GH_TRY(scene_need(root, "a scene", "contact", &contact));
-  GH_TRY(scene_map(contact, "contact", KEYS("normal_stiffness")));
+  GH_TRY(scene_map(contact, "contact",
+                   KEYS("normal_stiffness", "tangential_stiffness", "friction_angle", "friction_coefficient",
+                        "hardening", "rotations", "slip")));
   GH_TRY(scene_need(contact, "contact", "normal_stiffness", &n));
-  return scene_positive(n, "normal_stiffness", &s->micro.law.normal_stiffness);
+  GH_TRY(scene_positive(n, "normal_stiffness", &law->normal_stiffness));
+  GH_TRY(read_friction(law, contact));
+  return read_tangential(law, contact);
 }
 
 static gh_status read_micro(gh_scene *s, node root) {

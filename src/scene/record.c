@@ -57,7 +57,7 @@ static void add_options(cJSON *root, const gh_scene *s, const gh_farm *farm) {
   text(micro, "engine", s->micro.engine == GH_ENGINE_NATIVE ? "native" : "lammps");
   number(micro, "normal_stiffness", s->micro.law.normal_stiffness);
   number(micro, "tolerance", s->micro.tolerance);
-  number(micro, "max_steps", (double)s->micro.max_steps);
+  number(micro, "max_steps", (double)gh_rve_step_limit(&s->micro));
   number(micro, "grains", s->packing->n);
   number(micro, "points", gh_farm_size(farm));
   text(solver, "method", "newton");

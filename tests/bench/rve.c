@@ -80,12 +80,20 @@ static gh_packing *make_packing(gh_context *ctx, int n) {
   return copy;
 }
 
-static void measure(gh_context *ctx, const gh_packing *p, gh_boundary b, gh_engine_kind kind) {
+typedef struct figures {
+  double seconds[INCREMENTS]; /* ascending */
+  double set, relax, contacts, factor, history, total, steps,
+      factorisations; /* per increment, milliseconds */
+} figures;
+
+static void measure(gh_context *ctx, const gh_packing *p, gh_boundary b, gh_engine_kind kind, double friction,
+                    figures *f) {
   gh_rve_options o = gh_rve_defaults();
   o.boundary = b, o.engine = kind, o.law.normal_stiffness = 1000, o.tolerance = 1e-8;
+  o.law.friction = friction > 0, o.law.tangential_stiffness = 1000, o.law.friction_coefficient = friction;
   gh_rve *rve;
   gh_rve_cost first, last;
-  double seconds[INCREMENTS], P[4], A[16];
+  double *seconds = f->seconds, P[4], A[16];
   must(ctx, gh_rve_create(ctx, p, &o, &rve));
   for (int k = 0; k < INCREMENTS + WARM_UP; k++) {
     double F[4] = {1 - 5e-4 * k, 0, 0, 1};
@@ -100,37 +108,91 @@ static void measure(gh_context *ctx, const gh_packing *p, gh_boundary b, gh_engi
       double t = seconds[c];
       seconds[c] = seconds[c - 1], seconds[c - 1] = t;
     }
-  double per = 1e3 / INCREMENTS, total = last.total - first.total, set = last.set - first.set,
-         relax = last.relax - first.relax, contacts = last.contacts - first.contacts,
-         factor = last.factorise - first.factorise;
-  printf("%6d  %-11s %-7s %8.3f %8.3f %8.3f | %7.3f %7.3f %7.3f %7.3f %7.3f | %6.0f %5.1f\n", p->n,
-         gh_boundary_name(b), kind == GH_ENGINE_NATIVE ? "native" : "lammps", 1e3 * seconds[INCREMENTS / 2],
-         per * total, 1e3 * seconds[INCREMENTS - 1], per * set, per * relax, per * contacts, per * factor,
-         per * (total - set - relax - contacts - factor), (double)(last.steps - first.steps) / INCREMENTS,
-         (double)(last.factorisations - first.factorisations) / INCREMENTS);
-  fflush(stdout);
+  double per = 1e3 / INCREMENTS;
+  f->total = per * (last.total - first.total), f->set = per * (last.set - first.set);
+  f->relax = per * (last.relax - first.relax), f->contacts = per * (last.contacts - first.contacts);
+  f->factor = per * (last.factorise - first.factorise), f->history = per * (last.history - first.history);
+  f->steps = (double)(last.steps - first.steps) / INCREMENTS;
+  f->factorisations = (double)(last.factorisations - first.factorisations) / INCREMENTS;
   gh_rve_destroy(&rve);
 }
 
-int main(int argc, char **argv) {
-  gh_context *ctx;
-  if (gh_context_create(&ctx) != GH_OK) return 1;
+static const char *engine_name(gh_engine_kind kind) {
+  return kind == GH_ENGINE_NATIVE ? "native" : "lammps";
+}
+
+static void print_row(int n, gh_boundary b, gh_engine_kind kind, const figures *f) {
+  printf("%6d  %-11s %-7s %8.3f %8.3f %8.3f | %7.3f %7.3f %7.3f %7.3f %7.3f | %6.0f %5.1f\n", n,
+         gh_boundary_name(b), engine_name(kind), 1e3 * f->seconds[INCREMENTS / 2], f->total,
+         1e3 * f->seconds[INCREMENTS - 1], f->set, f->relax, f->contacts, f->factor,
+         f->total - f->set - f->relax - f->contacts - f->factor, f->steps, f->factorisations);
+  fflush(stdout);
+}
+
+/* With friction 0.5 and 0.1 against without. */
+static void friction_rows(gh_context *ctx, const gh_packing *p, gh_engine_kind kind) {
+  static const double friction[] = {0.5, 0.1};
+  for (size_t b = 0; b < sizeof boundaries / sizeof *boundaries; b++) {
+    figures without, with;
+    measure(ctx, p, boundaries[b], kind, 0, &without);
+    for (size_t k = 0; k < sizeof friction / sizeof *friction; k++) {
+      measure(ctx, p, boundaries[b], kind, friction[k], &with);
+      double mean = with.total, median = 1e3 * with.seconds[INCREMENTS / 2],
+             plain = 1e3 * without.seconds[INCREMENTS / 2];
+      printf("%6d  %-11s %-7s %5.1f %8.3f %8.3f %6.2f | %7.3f %7.3f %7.3f %7.3f | %6.1f %% | %6.0f %5.1f\n",
+             p->n, gh_boundary_name(boundaries[b]), engine_name(kind), friction[k], plain, median,
+             median / plain, with.set, with.relax, with.contacts, with.factor, 100 * with.history / mean,
+             with.steps, with.factorisations);
+      fflush(stdout);
+    }
+  }
+}
+
+static bool chosen(int argc, char **argv, gh_engine_kind kind) {
+  bool wanted = argc < 2;
+  for (int a = 1; a < argc; a++) wanted |= !strcmp(argv[a], engine_name(kind));
+  return wanted;
+}
+
+static void plain_table(gh_context *ctx, gh_packing *const *packings, int argc, char **argv) {
+  figures f;
   printf("One RVE update, milliseconds: an increment of 0.05 %% to a residual of 1e-8, with tangent; %d "
          "increments\n",
          INCREMENTS);
   printf("grains  boundary    engine    median     mean  largest |     set   relax contact  factor    rest | "
          " steps  fact\n");
-  for (size_t n = 0; n < sizeof sizes / sizeof *sizes; n++) {
-    gh_packing *p = make_packing(ctx, sizes[n]);
+  for (size_t n = 0; n < sizeof sizes / sizeof *sizes; n++)
     for (size_t b = 0; b < sizeof boundaries / sizeof *boundaries; b++)
-      for (int kind = 1; kind >= 0; kind--) {
-        const char *name = kind ? "native" : "lammps";
-        bool wanted = argc < 2;
-        for (int a = 1; a < argc; a++) wanted |= !strcmp(argv[a], name);
-        if (wanted) measure(ctx, p, boundaries[b], kind ? GH_ENGINE_NATIVE : GH_ENGINE_LAMMPS);
+      for (int kind = GH_ENGINE_NATIVE; kind >= GH_ENGINE_LAMMPS; kind--) {
+        if (!chosen(argc, argv, (gh_engine_kind)kind)) continue;
+        measure(ctx, packings[n], boundaries[b], (gh_engine_kind)kind, 0, &f);
+        print_row(packings[n]->n, boundaries[b], (gh_engine_kind)kind, &f);
       }
-    gh_packing_destroy(&p);
+}
+
+static void friction_table(gh_context *ctx, gh_packing *const *packings, int argc, char **argv) {
+  printf("\nThe same with friction (E_t = E_n, rotations free), milliseconds: medians without and with, "
+         "their ratio; "
+         "parts\nof the mean with friction; share of the history of the contacts\n");
+  printf("grains  boundary    engine     mu  without     with  ratio |     set   relax contact  factor |  "
+         "history |  "
+         "steps  fact\n");
+  for (size_t n = 0; n < sizeof sizes / sizeof *sizes; n++) {
+    if (sizes[n] != 150 && sizes[n] != 300 && sizes[n] != 600) continue;
+    for (int kind = GH_ENGINE_NATIVE; kind >= GH_ENGINE_LAMMPS; kind--)
+      if (chosen(argc, argv, (gh_engine_kind)kind)) friction_rows(ctx, packings[n], (gh_engine_kind)kind);
   }
+}
+
+int main(int argc, char **argv) {
+  enum { SIZES = sizeof sizes / sizeof *sizes };
+  gh_context *ctx;
+  gh_packing *packings[SIZES];
+  if (gh_context_create(&ctx) != GH_OK) return 1;
+  for (int n = 0; n < SIZES; n++) packings[n] = make_packing(ctx, sizes[n]);
+  plain_table(ctx, packings, argc, argv);
+  friction_table(ctx, packings, argc, argv);
+  for (int n = 0; n < SIZES; n++) gh_packing_destroy(&packings[n]);
   gh_context_destroy(&ctx);
   return 0;
 }

@@ -129,6 +129,31 @@ static void balance(void **state) {
   }
 }
 
+/* While a contact sticks, the stiffness of an increment of no length is symmetric, whatever force it carries;
+ * the asymmetry of longer increments grows with their length (method 8.12). */
+static void stick_is_symmetric(void **state) {
+  (void)state;
+  unsigned long long seed = 13;
+  print_message("seed %llu\n", seed);
+  gh_contact_law law = LAW;
+  law.friction_coefficient = 1e3;
+  for (int trial = 0; trial < 100; trial++) {
+    gh_coulomb_step s = random_step(&seed, 0);
+    double turned[2] = {s.ln[0], s.ln[1]}, worst[3];
+    for (int k = 0; k < 3; k++) { /* no increment, a tenth of it, all of it */
+      double share = k == 0 ? 0 : k == 1 ? 0.1 : 1, d9[9];
+      for (int c = 0; c < 2; c++) s.ln[c] = s.l[c] + share * (turned[c] - s.l[c]);
+      gh_coulomb_result r;
+      gh_coulomb_evaluate(&law, &s, &r);
+      assert_int_equal(r.slides, 0);
+      gh_coulomb_derivative(&law, &s, &r, d9);
+      worst[k] = fmax(fabs(d9[1] - d9[3]), fmax(fabs(d9[2] - d9[6]), fabs(d9[5] - d9[7])));
+    }
+    assert_true(worst[0] <= 1e-12);
+    assert_true(worst[1] <= 0.2 * worst[2]);
+  }
+}
+
 /* A rigid rotation by b: the slip of (7.5) is |l| (b - sin b), that of the objective measure none (method
  * 8.7). */
 static void rigid_rotation(void **state) {
@@ -147,6 +172,7 @@ static void rigid_rotation(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {cmocka_unit_test(closed_forms), cmocka_unit_test(derivative),
-                                     cmocka_unit_test(balance), cmocka_unit_test(rigid_rotation)};
+                                     cmocka_unit_test(balance), cmocka_unit_test(stick_is_symmetric),
+                                     cmocka_unit_test(rigid_rotation)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,5 +1,6 @@
-/* The frictionless reference cases for one RVE, made by an independent program (tests/data/cases).
- * SPDX-License-Identifier: GPL-2.0-or-later GH_ENGINE=native|lammps restricts the run to one engine. */
+/* The reference cases for one RVE, frictionless and with friction, made by an independent program
+ * (tests/data/cases). SPDX-License-Identifier: GPL-2.0-or-later GH_ENGINE=native|lammps restricts the run to
+ * one engine. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -17,18 +18,28 @@ typedef struct rve_case {
   const char *name, *packing, *path;
   gh_boundary boundary;
   double tolerance;
+  double friction_angle, hardening; /* degrees; angle 0: frictionless */
   gh_engine_kind engine;
 } rve_case;
 
 static const rve_case cases[] = {
-    {"uniax2_taylor_p150", "p150", "uniax2_20", GH_TAYLOR, 1e-10, GH_ENGINE_NATIVE},
-    {"uniax2_taylor_periodic_p150", "p150", "uniax2_20", GH_TAYLOR_CELL, 1e-10, GH_ENGINE_NATIVE},
-    {"uniax2_restricted_p150", "p150", "uniax2_20", GH_RESTRICTED, 1e-8, GH_ENGINE_NATIVE},
-    {"uniax05_periodic_p150d", "p150d", "uniax05_50", GH_PERIODIC, 1e-8, GH_ENGINE_NATIVE},
-    {"biaxshear_periodic_p50", "p50", "biax1_shear5", GH_PERIODIC, 1e-8, GH_ENGINE_NATIVE},
-    {"biaxshear_restricted_p50", "p50", "biax1_shear5", GH_RESTRICTED, 1e-8, GH_ENGINE_NATIVE},
-    {"stretchrot_taylor_p50", "p50", "stretch_rot30", GH_TAYLOR, 1e-10, GH_ENGINE_NATIVE},
-    {"stretchrotfine_periodic_p50", "p50", "stretch_rot30_fine", GH_PERIODIC, 1e-8, GH_ENGINE_NATIVE},
+    {"uniax2_taylor_p150", "p150", "uniax2_20", GH_TAYLOR, 1e-10, 0, 0, GH_ENGINE_NATIVE},
+    {"uniax2_taylor_periodic_p150", "p150", "uniax2_20", GH_TAYLOR_CELL, 1e-10, 0, 0, GH_ENGINE_NATIVE},
+    {"uniax2_restricted_p150", "p150", "uniax2_20", GH_RESTRICTED, 1e-8, 0, 0, GH_ENGINE_NATIVE},
+    {"uniax05_periodic_p150d", "p150d", "uniax05_50", GH_PERIODIC, 1e-8, 0, 0, GH_ENGINE_NATIVE},
+    {"biaxshear_periodic_p50", "p50", "biax1_shear5", GH_PERIODIC, 1e-8, 0, 0, GH_ENGINE_NATIVE},
+    {"biaxshear_restricted_p50", "p50", "biax1_shear5", GH_RESTRICTED, 1e-8, 0, 0, GH_ENGINE_NATIVE},
+    {"stretchrot_taylor_p50", "p50", "stretch_rot30", GH_TAYLOR, 1e-10, 0, 0, GH_ENGINE_NATIVE},
+    {"stretchrotfine_periodic_p50", "p50", "stretch_rot30_fine", GH_PERIODIC, 1e-8, 0, 0, GH_ENGINE_NATIVE},
+    {"uniaxfric20_taylor_p150", "p150", "uniax10_100", GH_TAYLOR, 1e-8, 20, 0, GH_ENGINE_NATIVE},
+    {"uniaxfric20_taylorperiodic_p150", "p150", "uniax10_100", GH_TAYLOR_CELL, 1e-8, 20, 0, GH_ENGINE_NATIVE},
+    {"cyclicfric_h0_taylor_p150", "p150", "cyclic_shear50_400", GH_TAYLOR, 1e-8, 30, 0, GH_ENGINE_NATIVE},
+    {"cyclicfric_h1000_taylor_p150", "p150", "cyclic_shear50_400", GH_TAYLOR, 1e-8, 30, 1000,
+     GH_ENGINE_NATIVE},
+    {"cyclefric05_periodic_p50d", "p50d", "fric_small_cycle", GH_PERIODIC, 1e-7, 5, 0, GH_ENGINE_NATIVE},
+    {"cyclefric20_restricted_p50d", "p50d", "fric_small_cycle", GH_RESTRICTED, 1e-7, 20, 0, GH_ENGINE_NATIVE},
+    {"uniaxfric20_restricted_p50", "p50", "uniax05_50", GH_RESTRICTED, 1e-7, 20, 0, GH_ENGINE_NATIVE},
+    {"shearcyclefric30_taylor_p20", "p20", "cyclic_fric_steps10", GH_TAYLOR, 1e-8, 30, 100, GH_ENGINE_NATIVE},
 };
 enum { NCASES = sizeof cases / sizeof *cases };
 
@@ -79,6 +90,17 @@ static void compare_tangent(const char *name, int step, const double A[16]) {
   assert_true(worst <= 1e-6 * largest);
 }
 
+/* What is stored and dissipated relative to the largest energy of the path, and the number of sliding
+ * contacts (which a contact at the limit may change by one). */
+static void compare_energies(const gh_rve_measures *m, const gh_csv *out, int row, bool friction) {
+  double scale = 1e-6 * at(out, out->nrows - 1, "energy");
+  assert_true(fabs(m->energy - m->energy_t - at(out, row, "energy_n")) <= scale);
+  if (!friction) return;
+  assert_true(fabs(m->energy_t - at(out, row, "energy_t")) <= scale);
+  assert_true(fabs(m->dissipation - at(out, row, "dissipation")) <= scale);
+  assert_true(fabs(m->sliding - at(out, row, "slipping")) <= 1);
+}
+
 /* Stresses of a whole path, and tangents where the reference has them, agree with the independent program. */
 static void case_is_met(void **state) {
   const rve_case *c = *state;
@@ -96,6 +118,10 @@ static void case_is_met(void **state) {
   OK(gh_packing_read(ctx, path, &packing));
   gh_rve_options o = gh_rve_defaults();
   o.boundary = c->boundary, o.engine = c->engine, o.law.normal_stiffness = 1000, o.tolerance = 1e-11;
+  if (c->friction_angle > 0) {
+    o.law.friction = 1, o.law.tangential_stiffness = 1000, o.law.hardening = c->hardening;
+    o.law.friction_coefficient = tan(c->friction_angle * acos(-1) / 180);
+  }
   OK(gh_rve_create(ctx, packing, &o, &rve));
   double largest = 0, worst = 0;
   int worst_row = 0;
@@ -116,7 +142,7 @@ static void case_is_met(void **state) {
           "  row %d: %.1e  residual %.1e steps %ld polished %d factorisations %d contacts %d rattlers %d\n",
           row, worst / largest, m->residual, m->steps, m->polished, m->factorisations, m->contacts,
           m->rattlers);
-    assert_true(fabs(m->energy - at(out, row, "energy_n")) <= 1e-6 * at(out, out->nrows - 1, "energy_n"));
+    compare_energies(m, out, row, c->friction_angle > 0);
     compare_tangent(c->name, row, A);
     OK(gh_rve_commit(rve));
   }

@@ -103,7 +103,12 @@ static gh_status consider(gh_context *ctx, gh_neighbours *nb, const grid *g, con
   if (lx == 0 && ly == 0) /* relaxation would turn this into NaN */
     return gh_fail(ctx, GH_DIVERGED,
                    "the centres of grains %d and %d coincide: their contact has no direction", i + 1, j + 1);
-  if (i == j) {
+  if (nb->with_images) {
+    GH_TRY(gh_grow(ctx, nb->npairs + 1, 2 * sizeof(int), &nb->image_capacity, &nb->image));
+    nb->image[2 * nb->npairs] = kx;
+    nb->image[2 * nb->npairs + 1] = ky;
+  }
+  if (i == j && !nb->with_images) {
     GH_TRY(gh_grow(ctx, nb->nown + 1, sizeof p, &nb->own_capacity, &nb->own));
     nb->own[nb->nown++] = p;
   } else {
@@ -147,6 +152,23 @@ static void sort_pairs(gh_pair *p, size_t n) {
   }
 }
 
+/* The same in the order of (j, image[1], image[0]): integers, whatever the shape of the cell. */
+static void sort_by_image(gh_pair *p, int *image, size_t n) {
+  for (size_t a = 1; a < n; a++) {
+    const gh_pair q = p[a];
+    const int kx = image[2 * a], ky = image[2 * a + 1];
+    size_t b = a;
+    for (; b > 0; b--) {
+      const int *o = image + 2 * (b - 1), oj = p[b - 1].j;
+      if (oj < q.j || (oj == q.j && (o[1] < ky || (o[1] == ky && o[0] <= kx)))) break;
+      p[b] = p[b - 1];
+      image[2 * b] = o[0], image[2 * b + 1] = o[1];
+    }
+    p[b] = q;
+    image[2 * b] = kx, image[2 * b + 1] = ky;
+  }
+}
+
 gh_status gh_neighbours_find(gh_context *ctx, gh_neighbours *nb, int n, const double *x, const double *radius,
                              const double *cell, double skin) {
   double largest = 0;
@@ -158,7 +180,8 @@ gh_status gh_neighbours_find(gh_context *ctx, gh_neighbours *nb, int n, const do
   for (int i = 0; i < n; i++) {
     size_t first = nb->npairs, own = nb->nown;
     GH_TRY(neighbours_of(ctx, nb, &g, x, radius, skin, i));
-    sort_pairs(nb->pairs + first, nb->npairs - first);
+    if (nb->with_images) sort_by_image(nb->pairs + first, nb->image + 2 * first, nb->npairs - first);
+    else sort_pairs(nb->pairs + first, nb->npairs - first);
     sort_pairs(nb->own + own, nb->nown - own);
   }
   return GH_OK;
@@ -166,6 +189,7 @@ gh_status gh_neighbours_find(gh_context *ctx, gh_neighbours *nb, int n, const do
 
 void gh_neighbours_free(gh_neighbours *nb) {
   free(nb->pairs);
+  free(nb->image);
   free(nb->own);
   free(nb->bin_start);
   free(nb->bin_grain);

@@ -7,9 +7,11 @@
 
 /* Pairs of grains and of grains with their own images that are nearer than r_i + r_j + skin. */
 typedef struct gh_neighbours {
-  gh_pair *pairs; /* i < j, sorted by (i, j, image) */
-  gh_pair *own;   /* i == j, image > 0: a grain and its own image */
-  size_t npairs, nown, pair_capacity, own_capacity;
+  bool with_images; /* set by the caller: note the images, and keep all pairs in one list */
+  gh_pair *pairs;   /* i < j, sorted by (i, j, shift); with images i <= j, by (i, j, image[1], image[0]) */
+  int *image;       /* npairs x 2, with images: lattice vectors between the positions as given */
+  gh_pair *own;     /* i == j, image > 0: a grain and its own image; empty with images */
+  size_t npairs, nown, pair_capacity, own_capacity, image_capacity;
   int *bin_start, *bin_grain, *bin_of; /* scratch */
   int *wrap;                           /* n x 2: lattice vectors taken off each position */
   size_t bin_capacity, grain_capacity;

@@ -1,0 +1,77 @@
+/* The contact law on a command line. SPDX-License-Identifier: GPL-2.0-or-later */
+#include "contact_options.h"
+
+#include "granhom/io.h"
+
+#include <string.h>
+
+static const char *const names[] = {"--normal-stiffness",
+                                    "--tangential-stiffness",
+                                    "--friction-angle",
+                                    "--friction-coefficient",
+                                    "--hardening",
+                                    "--rotations",
+                                    "--slip"};
+
+/* What an option must be, for its message. */
+static const char *const wanted[] = {
+    "a positive number",          "a positive number",          "an angle in degrees, 0 or more and below 90",
+    "a number that is 0 or more", "a number that is 0 or more", "free or fixed",
+    "projected or objective"};
+
+static bool take_number(int code, const char *text, double *value) {
+  if (!gh_parse_number(text, value)) return false;
+  if (code == CONTACT_NORMAL || code == CONTACT_TANGENTIAL) return *value > 0;
+  return *value >= 0 && (code != CONTACT_ANGLE || *value < 90);
+}
+
+/* One of two words: 0 or 1. */
+static bool take_word(const char *text, const char *first, const char *second, int *value) {
+  *value = !strcmp(text, second);
+  return *value || !strcmp(text, first);
+}
+
+int contact_option(const cli_command *command, int code, const char *text, contact_options *o) {
+  if (code < CONTACT_NORMAL || code >= CONTACT_END) return -1;
+  int k = code - CONTACT_NORMAL, word = 0;
+  bool good;
+  if (code == CONTACT_ROTATIONS) good = take_word(text, "free", "fixed", &o->fixed_rotations);
+  else if (code == CONTACT_SLIP) good = take_word(text, "projected", "objective", &word);
+  else good = take_number(code, text, &o->value[k]);
+  if (!good) return cli_usage(command, "%s must be %s, not \"%s\"", names[k], wanted[k], text);
+  if (code == CONTACT_SLIP) o->slip = word ? GH_SLIP_OBJECTIVE : GH_SLIP_PROJECTED;
+  o->given[k] = true;
+  return 0;
+}
+
+static bool given(const contact_options *o, int code) {
+  return o->given[code - CONTACT_NORMAL];
+}
+
+static double value(const contact_options *o, int code) {
+  return o->value[code - CONTACT_NORMAL];
+}
+
+int contact_law(const cli_command *command, const contact_options *o, gh_contact_law *law) {
+  static const int with_friction[] = {CONTACT_TANGENTIAL, CONTACT_HARDENING, CONTACT_ROTATIONS, CONTACT_SLIP};
+  static const double degree = 3.14159265358979323846 / 180;
+  *law = (gh_contact_law){.normal_stiffness = given(o, CONTACT_NORMAL) ? value(o, CONTACT_NORMAL) : 1};
+  if (given(o, CONTACT_ANGLE) && given(o, CONTACT_COEFFICIENT))
+    return cli_usage(command, "--friction-angle and --friction-coefficient say the same: give one of them");
+  law->friction = given(o, CONTACT_ANGLE) || given(o, CONTACT_COEFFICIENT);
+  if (!law->friction) {
+    for (size_t k = 0; k < sizeof with_friction / sizeof *with_friction; k++)
+      if (given(o, with_friction[k]))
+        return cli_usage(command, "%s needs friction: --friction-angle or --friction-coefficient",
+                         names[with_friction[k] - CONTACT_NORMAL]);
+    return 0;
+  }
+  law->friction_coefficient =
+      given(o, CONTACT_ANGLE) ? tan(value(o, CONTACT_ANGLE) * degree) : value(o, CONTACT_COEFFICIENT);
+  law->tangential_stiffness =
+      given(o, CONTACT_TANGENTIAL) ? value(o, CONTACT_TANGENTIAL) : law->normal_stiffness;
+  law->hardening = value(o, CONTACT_HARDENING);
+  law->fixed_rotations = o->fixed_rotations;
+  law->slip = o->slip;
+  return 0;
+}

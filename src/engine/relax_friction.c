@@ -1,0 +1,324 @@
+/* Dynamic relaxation with friction on a list of neighbour pairs (dissertation 4.4, chapter 7).
+ * SPDX-License-Identifier: GPL-2.0-or-later */
+#include "engine/relax_friction.h"
+
+#include "contact/coulomb.h"
+
+#include <math.h>
+#include <stdbool.h>
+#include <string.h>
+
+enum { BOUND_EVERY = 32 }; /* steps between two bounds of the largest eigenvalue */
+
+/* Least damping, over 1/dt: at first (relax.c says why), and at most. It is doubled where the residual has
+ * not come down to half in PATIENCE steps: sliding contacts make the stiffness unsymmetric, and grains may
+ * circle, fed by the forces, without that the quotient of Rayleigh sees anything to damp. */
+static const double LEAST_DAMPING = 1e-2, MOST_DAMPING = 1;
+enum { PATIENCE = 1000 };
+
+/* Numbers of each pair: what it is and remembers, one array for each, so that loops over pairs vectorise; and
+ * what it exerts: force on grain i, couple, overlap. */
+enum { SHIFT_X, SHIFT_Y, REACH, LN_X, LN_Y, GAMMA, GAMMA_PL, ALPHA, GIVEN };
+enum { FORCE_X, FORCE_Y, COUPLE, OVERLAP, EXERTED };
+enum { PER_BLOCK = 6 };
+
+/* The parts of the work space. */
+typedef struct parts {
+  double *given;  /* GIVEN x npairs */
+  double *pair;   /* EXERTED x npairs */
+  double *rolled; /* n: r (theta - theta_n) */
+  double *couple; /* n: sum of the couples, -m/r */
+  double *old_f;  /* 2 n: forces of the last step */
+  double *old_c;  /* n: sums of the couples of the last step */
+  double *block;  /* PER_BLOCK n: stiffness of each grain alone */
+} parts;
+
+size_t gh_relax_friction_work(int n, int npairs) {
+  return (GIVEN + EXERTED) * (size_t)npairs + (5 + PER_BLOCK) * (size_t)n;
+}
+
+static parts divide(const gh_relax_friction *s) {
+  const size_t n = (size_t)s->grains.n, npairs = (size_t)s->grains.npairs;
+  parts w = {.given = s->grains.work};
+  w.pair = w.given + GIVEN * npairs;
+  w.rolled = w.pair + EXERTED * npairs;
+  w.couple = w.rolled + n;
+  w.old_f = w.couple + n;
+  w.old_c = w.old_f + 2 * n;
+  w.block = w.old_c + n;
+  return w;
+}
+
+static double is_free(const gh_relax_friction *s, int i) {
+  return s->grains.held && s->grains.held[i] ? 0 : 1;
+}
+
+/* Lays the pairs and their memory out in the work space. */
+static void lay_out(const gh_relax_friction *s, const parts *w) {
+  const size_t n = (size_t)s->grains.npairs;
+  for (size_t p = 0; p < n; p++) {
+    const gh_pair *q = &s->grains.pairs[p];
+    const gh_pair_memory *m = &s->memory[p];
+    const double all[GIVEN] = {q->shift[0], q->shift[1], q->reach,    m->ln[0],
+                               m->ln[1],    m->gamma,    m->gamma_pl, m->alpha};
+    for (size_t k = 0; k < GIVEN; k++) w->given[k * n + p] = all[k];
+  }
+}
+
+/* Forces, couples and overlaps of all pairs, without branches so that it vectorises; inlined for one measure
+ * of slip at a time. A grain's own image exerts no net force. */
+static inline void pair_forces(const gh_pair *restrict pairs, size_t n, const gh_contact_law law,
+                               const double *restrict given, const double *restrict x,
+                               const double *restrict rolled, double *restrict out) {
+  for (size_t p = 0; p < n; p++) {
+    const int i = pairs[p].i, j = pairs[p].j;
+    const double l[2] = {x[2 * j] - x[2 * i] + given[SHIFT_X * n + p],
+                         x[2 * j + 1] - x[2 * i + 1] + given[SHIFT_Y * n + p]};
+    const gh_coulomb_step s = {.l = {l[0], l[1]},
+                               .d = sqrt(l[0] * l[0] + l[1] * l[1]),
+                               .reach = given[REACH * n + p],
+                               .ln = {given[LN_X * n + p], given[LN_Y * n + p]},
+                               .q = rolled[i] + rolled[j],
+                               .gamma = given[GAMMA * n + p],
+                               .gamma_pl = given[GAMMA_PL * n + p],
+                               .alpha = given[ALPHA * n + p]};
+    gh_coulomb_result r;
+    gh_coulomb_evaluate(&law, &s, &r);
+    const double e = s.reach - s.d, touch = e >= 0 ? 1 : 0, net = i != j ? touch : 0;
+    out[FORCE_X * n + p] = net * r.f[0];
+    out[FORCE_Y * n + p] = net * r.f[1];
+    out[COUPLE * n + p] = touch * r.couple;
+    out[OVERLAP * n + p] = e;
+  }
+}
+
+static void projected_forces(const gh_relax_friction *s, const parts *w) {
+  gh_contact_law law = *s->law;
+  law.slip = GH_SLIP_PROJECTED;
+  pair_forces(s->grains.pairs, (size_t)s->grains.npairs, law, w->given, s->grains.x, w->rolled, w->pair);
+}
+
+static void objective_forces(const gh_relax_friction *s, const parts *w) {
+  gh_contact_law law = *s->law;
+  law.slip = GH_SLIP_OBJECTIVE;
+  pair_forces(s->grains.pairs, (size_t)s->grains.npairs, law, w->given, s->grains.x, w->rolled, w->pair);
+}
+
+/* Adds forces and couples of the pairs to the grains; returns the mean overlap. Pairs are sorted by i: that
+ * side is summed in registers. */
+static double gather(const gh_relax_friction *s, const double *restrict pair, double *restrict couple) {
+  const gh_relax_state *g = &s->grains;
+  const size_t n = (size_t)g->npairs;
+  double *restrict f = g->f, overlap = 0;
+  int contacts = 0;
+  memset(f, 0, 2 * (size_t)g->n * sizeof *f);
+  memset(couple, 0, (size_t)g->n * sizeof *couple);
+  for (size_t p = 0; p < n;) {
+    const int i = g->pairs[p].i;
+    double fx = 0, fy = 0, m = 0, sum = 0;
+    for (; p < n && g->pairs[p].i == i; p++) {
+      const int j = g->pairs[p].j;
+      const double px = pair[FORCE_X * n + p], py = pair[FORCE_Y * n + p], pm = pair[COUPLE * n + p],
+                   e = pair[OVERLAP * n + p];
+      fx += px;
+      fy += py;
+      m += pm;
+      sum += e >= 0 ? e : 0;
+      contacts += e >= 0;
+      f[2 * j] -= px;
+      f[2 * j + 1] -= py;
+      couple[j] += pm;
+    }
+    f[2 * i] += fx;
+    f[2 * i + 1] += fy;
+    couple[i] += m;
+    overlap += sum;
+  }
+  return contacts ? overlap / contacts : 0;
+}
+
+/* The moment over the radius is the sum of the couples: m = -r sum M. */
+static double forces(gh_relax_friction *s, const parts *w, double *mean_force) {
+  const gh_relax_state *g = &s->grains;
+  const bool turns = !s->law->fixed_rotations;
+  for (int i = 0; i < g->n; i++) w->rolled[i] = turns ? s->radius[i] * (s->theta[i] - s->theta_n[i]) : 0;
+  if (s->law->slip == GH_SLIP_OBJECTIVE) objective_forces(s, w);
+  else projected_forces(s, w);
+  *mean_force = s->law->normal_stiffness * gather(s, w->pair, w->couple);
+  double largest = 0, all = 0;
+  for (int i = 0; i < g->n; i++) {
+    const double f2 = g->f[2 * i] * g->f[2 * i] + g->f[2 * i + 1] * g->f[2 * i + 1],
+                 c2 = turns ? w->couple[i] * w->couple[i] : 0, free2 = is_free(s, i) * f2,
+                 here = free2 > c2 ? free2 : c2;
+    if (turns) s->m[i] = -s->radius[i] * w->couple[i];
+    largest = here > largest ? here : largest;
+    all += f2 + c2;
+  }
+  return isfinite(all) ? sqrt(largest) : NAN; /* a comparison with NaN would pass over it */
+}
+
+double gh_relax_friction_forces(gh_relax_friction *s, double *mean_force) {
+  const parts w = divide(s);
+  lay_out(s, &w);
+  return forces(s, &w, mean_force);
+}
+
+/* Stiffness of a contact along and across its branch vector that bounds the quadratic form of its derivative,
+ * in the displacement N along and the slip B across. Sticking, the form is E_n N^2 + E_t B^2. Sliding, it is
+ * E_n N^2 + b mu E_n N B + (1 - b) E_t B^2 with b = E_t/(E_t + h) <= 1; and mu N B <= mu (a N^2 + B^2/a)/2,
+ * here with a = min(1, mu E_n/(2 E_t)), which needs no more than E_t across where mu E_n <= 2 E_t. Without
+ * friction and hardening nothing resists slip. Parts of the order of overlap over radius are left to the
+ * distance of gh_relax_time_step from the limit. */
+static void contact_bound(const gh_contact_law *law, double *along, double *across) {
+  const double En = law->normal_stiffness, Et = law->tangential_stiffness, mu = law->friction_coefficient;
+  *along = En * (1 + 0.5 * mu * fmin(1, mu * En / (2 * Et)));
+  *across = mu == 0 && law->hardening == 0 ? 0 : fmax(Et, 0.5 * mu * En);
+}
+
+/* Largest eigenvalue of a symmetric 3 x 3 matrix xx xy yy xq yq qq: Cardano's formula. */
+static double largest_eigenvalue(const double *a) {
+  const double mean = (a[0] + a[2] + a[5]) / 3, x = a[0] - mean, y = a[2] - mean, q = a[5] - mean,
+               off = a[1] * a[1] + a[3] * a[3] + a[4] * a[4],
+               spread = sqrt((x * x + y * y + q * q + 2 * off) / 6),
+               det = x * (y * q - a[4] * a[4]) - a[1] * (a[1] * q - a[4] * a[3]) +
+                     a[3] * (a[1] * a[4] - y * a[3]);
+  if (!(spread > 0)) return mean;
+  const double r = det / (2 * spread * spread * spread);
+  return mean + 2 * spread * cos(acos(fmin(1, fmax(-1, r))) / 3);
+}
+
+/* Adds the contact to the block of grain i: its stiffness in the displacement of i and in r theta / sqrt(2),
+ * in which the mass matrix is the identity. The slip is t.(u_i - u_j) + |l|/(r_i + r_j) (r_i theta_i +
+ * r_j theta_j): the last factor is near 1. */
+static void add_block(double *k, double free, double turns, const double n[2], double side, double along,
+                      double across) {
+  const double t[2] = {-free * side * n[1], free * side * n[0]}, turn = turns * sqrt(2);
+  k[0] += free * along * n[0] * n[0] + across * t[0] * t[0];
+  k[1] += free * along * n[0] * n[1] + across * t[0] * t[1];
+  k[2] += free * along * n[1] * n[1] + across * t[1] * t[1];
+  k[3] += across * t[0] * turn;
+  k[4] += across * t[1] * turn;
+  k[5] += across * turn * turn;
+}
+
+/* A contact's form is along N^2 + across B^2 at most (contact_bound), and N and B are each a part of grain i
+ * plus a part of grain j. As (a + b)^2 <= 2 a^2 + 2 b^2, the whole form is at most twice the sum of the forms
+ * in which one grain moves alone, which is twice the sum of the grains' own blocks: twice the largest
+ * eigenvalue of a block bounds all. For a grain and its own image a = b: that is an equality. Pairs that
+ * nearly touch count too: they may touch before the next bound. */
+static double time_step(const gh_relax_friction *s, double *block) {
+  const gh_relax_state *g = &s->grains;
+  const double turns = s->law->fixed_rotations ? 0 : 1;
+  double along, across;
+  contact_bound(s->law, &along, &across);
+  memset(block, 0, PER_BLOCK * (size_t)g->n * sizeof *block);
+  for (int p = 0; p < g->npairs; p++) {
+    const gh_pair *q = &g->pairs[p];
+    double n[2] = {g->x[2 * q->j] - g->x[2 * q->i] + q->shift[0],
+                   g->x[2 * q->j + 1] - g->x[2 * q->i + 1] + q->shift[1]};
+    const double d2 = n[0] * n[0] + n[1] * n[1];
+    if (d2 > 1.01 * q->reach * q->reach) continue;
+    for (int k = 0; k < 2; k++) n[k] /= sqrt(d2);
+    const double other = q->i == q->j ? 0 : 1; /* an own image neither approaches nor shifts */
+    add_block(block + PER_BLOCK * q->i, other * is_free(s, q->i), turns, n, 1, along, across);
+    add_block(block + PER_BLOCK * q->j, other * is_free(s, q->j), turns, n, -1, along, across);
+  }
+  double largest = 2 * fmax(along, (1 + 2 * turns) * across); /* two contacts on one line */
+  for (int i = 0; i < g->n; i++) largest = fmax(largest, largest_eigenvalue(block + PER_BLOCK * i));
+  return gh_relax_time_step(2 * largest);
+}
+
+/* One step of what may move, with the damping `c`; returns the square of the largest distance from x0. No
+ * grain goes, and no rim turns, as far as the slack at once (relax.c says why). */
+static double advance(gh_relax_friction *s, const double *couple, double c, double dt) {
+  gh_relax_state *g = &s->grains;
+  const double a = (2 - c * dt) / (2 + c * dt), b = (g->started ? 2 : 1) * dt / (g->started ? 2 + c * dt : 2),
+               fastest = 0.9 * g->slack / dt;
+  double far = 0;
+  for (int i = 0; i < g->n; i++) {
+    const double free = is_free(s, i);
+    double *v = g->v + 2 * i, *x = g->x + 2 * i, r2 = 0, v2 = 0;
+    for (int k = 0; k < 2; k++) {
+      v[k] = free * (a * v[k] + b * g->f[2 * i + k]);
+      v2 += v[k] * v[k];
+    }
+    const double slower = v2 > fastest * fastest ? fastest / sqrt(v2) : 1;
+    for (int k = 0; k < 2; k++) {
+      v[k] *= slower;
+      x[k] += dt * v[k];
+      r2 += (x[k] - g->x0[2 * i + k]) * (x[k] - g->x0[2 * i + k]);
+    }
+    far = r2 > far ? r2 : far;
+  }
+  for (int i = 0; i < g->n && !s->law->fixed_rotations; i++) { /* m/I = -2 couple/r */
+    const double w = s->radius[i] * a * s->w[i] - 2 * b * couple[i],
+                 limited = w > fastest ? fastest : (w < -fastest ? -fastest : w);
+    s->w[i] = limited / s->radius[i];
+    s->theta[i] += dt * s->w[i];
+  }
+  g->started = 1;
+  return far;
+}
+
+/* Rayleigh quotient, in the metric of the masses, of the last displacement with the change of the forces: a
+ * running estimate of the lowest eigenvalue that is still moving. */
+static double rayleigh(const gh_relax_friction *s, const parts *w, double dt) {
+  const gh_relax_state *g = &s->grains;
+  double up = 0, down = 0;
+  for (int k = 0; k < 2 * g->n; k++) {
+    up += g->v[k] * (w->old_f[k] - g->f[k]);
+    down += g->v[k] * g->v[k];
+  }
+  for (int i = 0; i < g->n && !s->law->fixed_rotations; i++) {
+    const double rim = s->radius[i] * s->w[i];
+    up += rim * (w->couple[i] - w->old_c[i]);
+    down += 0.5 * rim * rim;
+  }
+  return down > 0 && up > 0 ? up / (dt * down) : 0;
+}
+
+/* Raises the least damping where the residual does not come down. */
+static void watch(gh_relax_watch *w, double residual) {
+  if (w->least == 0) *w = (gh_relax_watch){.record = INFINITY, .least = LEAST_DAMPING};
+  if (residual <= 0.5 * w->record) w->record = residual, w->waited = 0;
+  else if (++w->waited == PATIENCE)
+    *w = (gh_relax_watch){.record = residual, .least = fmin(2 * w->least, MOST_DAMPING)};
+}
+
+/* Nothing moves yet (4.41): what the velocities held before is not looked at. */
+static void start(gh_relax_friction *s) {
+  memset(s->grains.v, 0, 2 * (size_t)s->grains.n * sizeof(double));
+  if (!s->law->fixed_rotations) memset(s->w, 0, (size_t)s->grains.n * sizeof(double));
+}
+
+gh_relax_end gh_relax_friction_run(gh_relax_friction *s, double tolerance, double floor, long max_steps,
+                                   double *residual, double *mean_force, long *steps) {
+  gh_relax_state *g = &s->grains;
+  const parts w = divide(s);
+  const size_t n = (size_t)g->n;
+  double dt = 0;
+  bool far = false, stale = true;
+  lay_out(s, &w);
+  if (!g->started) start(s);
+  for (long k = 0;; k++) {
+    const double largest = forces(s, &w, mean_force);
+    ++*steps;
+    *residual = *mean_force > 0 ? largest / *mean_force : 0;
+    if (!isfinite(largest)) return *residual = NAN, GH_RELAX_STEPS;
+    if (k > 0) {
+      const double lowest = rayleigh(s, &w, dt);
+      g->damping = 2 * sqrt(lowest);
+      stale = gh_relax_time_step(lowest) < 0.95 * dt; /* above the bound of all eigenvalues: new contacts */
+    }
+    if (far) return GH_RELAX_REBUILD; /* before anything is concluded: the list may miss contacts */
+    if (*mean_force <= floor) return *residual = 0, GH_RELAX_UNJAMMED;
+    if (*residual <= tolerance) return GH_RELAX_CONVERGED;
+    if (k + 1 >= max_steps) return GH_RELAX_STEPS;
+    if (stale || k % BOUND_EVERY == 0) dt = time_step(s, w.block);
+    watch(&s->watch, *residual);
+    g->damping = fmax(g->damping, s->watch.least / dt);
+    memcpy(w.old_f, g->f, 2 * n * sizeof(double));
+    memcpy(w.old_c, w.couple, n * sizeof(double));
+    far = advance(s, w.couple, g->damping, dt) > g->slack * g->slack;
+  }
+}

@@ -1,0 +1,230 @@
+/* Stiffness of positions and rotations with friction: unsymmetric, in compressed columns, its LU factor by
+ * KLU of SuiteSparse. SPDX-License-Identifier: GPL-2.0-or-later
+ *
+ * KLU and not UMFPACK: the factors are so sparse that UMFPACK's dense fronts do not pay
+ * (docs/performance.md). Blocks are of members, up to 3 x 3 (u_x, u_y, theta); the pattern of blocks is
+ * symmetric. */
+#include "micro/internal.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+gh_status gh_coupled_create(gh_context *ctx, int members, gh_coupled **coupled) {
+  gh_coupled *s;
+  *coupled = NULL;
+  GH_TRY(gh_alloc(ctx, 1, sizeof *s, &s));
+  s->members = members;
+  klu_defaults(&s->common);
+  s->common.btf = 0; /* the pattern is symmetric and hangs together */
+  gh_status status = gh_alloc(ctx, 3 * (size_t)members, sizeof(int), &s->unknown);
+  if (status == GH_OK) status = gh_alloc(ctx, (size_t)members + 2, sizeof(int), &s->first);
+  if (status != GH_OK) gh_coupled_destroy(&s);
+  *coupled = s;
+  return status;
+}
+
+void gh_coupled_destroy(gh_coupled **coupled) {
+  if (!coupled || !*coupled) return;
+  gh_coupled *s = *coupled;
+  klu_free_symbolic(&s->symbolic, &s->common);
+  klu_free_numeric(&s->numeric, &s->common);
+  void *const arrays[] = {s->unknown, s->first, s->neighbour, s->row,      s->p,
+                          s->i,       s->x,     s->rhs,       s->solution, s->old};
+  for (size_t k = 0; k < sizeof arrays / sizeof *arrays; k++) free(arrays[k]);
+  free(s);
+  *coupled = NULL;
+}
+
+/* ---- numbering and pattern ---- */
+
+static int root_of(int *parent, int i) {
+  while (parent[i] != i) {
+    parent[i] = parent[parent[i]];
+    i = parent[i];
+  }
+  return i;
+}
+
+/* Groups of members that hang together: group[i] is the first member of the group of i, at last. */
+static void find_groups(int members, const gh_contact_list *list, int *group) {
+  for (int i = 0; i < members; i++) group[i] = i;
+  for (int c = 0; c < list->count; c++) {
+    int i = root_of(group, list->contacts[c].i), j = root_of(group, list->contacts[c].j);
+    group[i > j ? i : j] = i > j ? j : i;
+  }
+}
+
+static void number_unknowns(gh_coupled *s, const unsigned char *held, const unsigned char *loose, bool turns,
+                            const int *group) {
+  s->n = 0;
+  for (int i = 0; i < s->members; i++) {
+    int *u = &s->unknown[3 * i];
+    bool moves = !loose[i] && !(held && held[i]) && !(group && group[i] == i);
+    u[0] = moves ? s->n++ : -1;
+    u[1] = moves ? s->n++ : -1;
+    u[2] = turns && !loose[i] ? s->n++ : -1;
+  }
+}
+
+/* Lists for each member itself and those it touches, ascending: contacts come sorted by (i, j), so that the
+ * smaller neighbours of a member come before it, and the larger ones after it. */
+static void list_neighbours(gh_coupled *s, const gh_contact_list *list) {
+  int *first = s->first;
+  for (int round = 0; round < 2; round++) {
+    if (round == 0) memset(first, 0, ((size_t)s->members + 2) * sizeof *first);
+    int *next = first + 1; /* round 0 counts into first[i + 2], round 1 fills from first[i + 1] */
+    for (int half = 0; half < 3; half++)
+      for (int c = 0; c < (half == 1 ? s->members : list->count); c++) {
+        const gh_contact *q = half == 1 ? NULL : &list->contacts[c];
+        bool again = q && c > 0 && q[-1].i == q->i && q[-1].j == q->j;
+        if (q && (q->i == q->j || again)) continue;
+        int a = half == 0 ? q->j : half == 1 ? c : q->i, b = half == 0 ? q->i : half == 1 ? c : q->j;
+        if (round == 0) first[a + 2]++;
+        else s->neighbour[next[a]++] = b;
+      }
+    if (round == 0)
+      for (int i = 1; i <= s->members; i++) first[i + 1] += first[i];
+  }
+}
+
+static int unknowns_of(const gh_coupled *s, int member) {
+  const int *u = &s->unknown[3 * member];
+  return (u[0] >= 0) + (u[1] >= 0) + (u[2] >= 0);
+}
+
+static gh_status make_pattern(gh_context *ctx, gh_coupled *s) {
+  int *row = s->row;
+  size_t nnz = 0;
+  for (int m = 0; m < s->members; m++) {
+    int height = 0;
+    for (int b = s->first[m]; b < s->first[m + 1]; b++) {
+      row[b] = height;
+      height += unknowns_of(s, s->neighbour[b]);
+    }
+    nnz += (size_t)height * (size_t)unknowns_of(s, m);
+  }
+  GH_TRY(gh_grow(ctx, (size_t)s->n + 1, sizeof(int), &s->p_capacity, &s->p));
+  GH_TRY(gh_grow(ctx, nnz + 1, sizeof(int), &s->i_capacity, &s->i));
+  GH_TRY(gh_grow(ctx, nnz + 1, sizeof(double), &s->x_capacity, &s->x));
+  int place = 0, column = 0;
+  for (int m = 0; m < s->members; m++)
+    for (int k = 0; k < 3; k++) {
+      if (s->unknown[3 * m + k] < 0) continue;
+      s->p[column++] = place;
+      for (int b = s->first[m]; b < s->first[m + 1]; b++)
+        for (int h = 0; h < 3; h++) {
+          int u = s->unknown[3 * s->neighbour[b] + h];
+          if (u >= 0) s->i[place++] = u;
+        }
+    }
+  s->p[column] = place;
+  return GH_OK;
+}
+
+gh_status gh_coupled_number(gh_context *ctx, gh_coupled *s, const unsigned char *held,
+                            const unsigned char *loose, bool turns, const gh_contact_list *list, bool pin) {
+  size_t blocks = 2 * (size_t)list->count + (size_t)s->members;
+  GH_TRY(gh_grow(ctx, blocks + 1, sizeof(int), &s->neighbour_capacity, &s->neighbour));
+  GH_TRY(gh_grow(ctx, blocks + 1, sizeof(int), &s->row_capacity, &s->row));
+  if (pin) find_groups(s->members, list, s->neighbour); /* free for use until the pattern is made */
+  number_unknowns(s, held, loose, turns, pin ? s->neighbour : NULL);
+  list_neighbours(s, list);
+  GH_TRY(make_pattern(ctx, s));
+  GH_TRY(gh_grow(ctx, 4 * (size_t)s->n + 4, sizeof(double), &s->rhs_capacity, &s->rhs));
+  return gh_grow(ctx, 4 * (size_t)s->n + 4, sizeof(double), &s->solution_capacity, &s->solution);
+}
+
+/* ---- values ---- */
+
+/* Adds the block of rows of member a and columns of member b. */
+static void add_block(gh_coupled *s, int a, int b, const double block[9]) {
+  int low = s->first[b], high = s->first[b + 1] - 1;
+  while (low < high) {
+    int middle = (low + high) / 2;
+    if (s->neighbour[middle] < a) low = middle + 1;
+    else high = middle;
+  }
+  for (int k = 0; k < 3; k++) {
+    int column = s->unknown[3 * b + k];
+    if (column < 0) continue;
+    int place = s->p[column] + s->row[low];
+    for (int h = 0; h < 3; h++)
+      if (s->unknown[3 * a + h] >= 0) s->x[place++] += block[3 * h + k];
+  }
+}
+
+/* B_a^T D B_b with B = (sign, sign, r) on the diagonal. */
+static void add_contact(gh_coupled *s, const gh_contact *q, const double *d, const double *radius) {
+  const int end[2] = {q->i, q->j};
+  double scale[2][3], block[9];
+  for (int e = 0; e < 2; e++) {
+    scale[e][0] = scale[e][1] = gh_end_sign(e);
+    scale[e][2] = radius[end[e]];
+  }
+  for (int a = 0; a < 2; a++)
+    for (int b = 0; b < 2; b++) {
+      for (int h = 0; h < 3; h++)
+        for (int k = 0; k < 3; k++) block[3 * h + k] = scale[a][h] * d[3 * h + k] * scale[b][k];
+      add_block(s, end[a], end[b], block);
+    }
+}
+
+static void assemble(gh_coupled *s, const double *radius, const gh_contact_list *list, double shift) {
+  memset(s->x, 0, (size_t)s->p[s->n] * sizeof *s->x);
+  for (int c = 0; c < list->count; c++) add_contact(s, &list->contacts[c], list->friction[c].d, radius);
+  if (!(shift > 0)) return;
+  for (int m = 0; m < s->members; m++) {
+    double r2 = radius[m] * radius[m], block[9] = {shift, 0, 0, 0, shift, 0, 0, 0, shift * r2};
+    add_block(s, m, m, block);
+  }
+}
+
+/* The symbolic analysis is kept while the pattern stays. */
+static gh_status analyse(gh_context *ctx, gh_coupled *s) {
+  size_t np = (size_t)s->n + 1, ni = (size_t)s->p[s->n];
+  bool same = s->symbolic && s->old_n == s->n && !memcmp(s->old, s->p, np * sizeof(int)) &&
+              !memcmp(s->old + np, s->i, ni * sizeof(int));
+  if (same) return GH_OK;
+  GH_TRY(gh_grow(ctx, np + ni, sizeof(int), &s->old_capacity, &s->old));
+  memcpy(s->old, s->p, np * sizeof(int));
+  memcpy(s->old + np, s->i, ni * sizeof(int));
+  s->old_n = s->n;
+  s->analyses++;
+  klu_free_symbolic(&s->symbolic, &s->common);
+  s->symbolic = klu_analyze(s->n, s->p, s->i, &s->common);
+  if (s->symbolic) return GH_OK;
+  return gh_fail(ctx, GH_MEMORY, "KLU failed to analyse a stiffness of %d unknowns (status %d)", s->n,
+                 s->common.status);
+}
+
+gh_status gh_coupled_factorise(gh_context *ctx, gh_coupled *s, const double *radius,
+                               const gh_contact_list *list, double shift, bool *regular) {
+  static const double least_condition = 1e-14;
+  *regular = true;
+  if (s->n == 0) return GH_OK;
+  assemble(s, radius, list, shift);
+  if (!gh_finite(s->x, (size_t)s->p[s->n]))
+    return gh_fail(ctx, GH_DIVERGED, "the stiffness of the packing is not finite");
+  GH_TRY(analyse(ctx, s));
+  klu_free_numeric(&s->numeric, &s->common);
+  s->numeric = klu_factor(s->p, s->i, s->x, s->symbolic, &s->common);
+  s->factorisations++;
+  if (s->common.status < KLU_OK)
+    return gh_fail(ctx, GH_MEMORY, "KLU failed to factorise a stiffness of %d unknowns (status %d)", s->n,
+                   s->common.status);
+  *regular = s->numeric && s->common.status == KLU_OK && klu_rcond(s->symbolic, s->numeric, &s->common) &&
+             s->common.rcond > least_condition;
+  return GH_OK;
+}
+
+gh_status gh_coupled_solve(gh_context *ctx, gh_coupled *s, int ncol, const double **X) {
+  size_t n = (size_t)s->n;
+  *X = s->solution;
+  if (n == 0) return GH_OK;
+  memcpy(s->solution, s->rhs, n * (size_t)ncol * sizeof(double));
+  if (!klu_solve(s->symbolic, s->numeric, s->n, ncol, s->solution, &s->common))
+    return gh_fail(ctx, GH_MEMORY, "KLU failed to solve for %d unknowns (status %d)", s->n, s->common.status);
+  if (!gh_finite(s->solution, n * (size_t)ncol))
+    return gh_fail(ctx, GH_DIVERGED, "the solution with the stiffness of the packing is not finite");
+  return GH_OK;
+}
