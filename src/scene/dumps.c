@@ -130,33 +130,43 @@ static void into_box(const box *b, const double from[2], double x[2], int image[
 
 static void print_grains(gh_text *t, int counter, const gh_rve_view *v, const box *b) {
   print_head(t, counter, "ATOMS", v->n, b);
-  gh_text_print(t, "ITEM: ATOMS id type x y z ix iy iz radius grain rattler held replica\n");
+  gh_text_print(t, "ITEM: ATOMS id type x y z ix iy iz radius grain rattler held replica%s\n",
+                v->theta ? " theta" : "");
   for (int i = 0; i < v->n; i++) {
     double x[2];
     int image[2];
     into_box(b, v->x + 2 * i, x, image);
-    gh_text_print(t, "%d %d %.17g %.17g 0 %d %d 0 %.17g %d %d %d %d\n", i + 1, v->type[i], x[0], x[1],
-                  image[0], image[1], v->radius[i], v->id[i], v->flags[i] & 1, v->flags[i] >> 1 & 1,
+    gh_text_print(t, "%d %d %.17g %.17g 0 %d %d 0 %.17g %d %d %d %d", i + 1, v->type[i], x[0], x[1], image[0],
+                  image[1], v->radius[i], v->id[i], v->flags[i] & 1, v->flags[i] >> 1 & 1,
                   v->flags[i] >> 2 & 1);
+    if (v->theta) gh_text_print(t, " %.17g", v->theta[i]);
+    gh_text_print(t, "\n");
   }
 }
 
 /* Force on the first grain, its parts along -n (pressing) and along t, n turned by +90 degrees. */
+static void print_contact(gh_text *t, const gh_rve_view *v, const box *b, int k) {
+  const gh_contact *c = v->contacts + k;
+  double x[2], l[2], f[2], length = hypot(c->l[0], c->l[1]);
+  int image[2];
+  into_box(b, v->x + 2 * c->i, x, image);
+  gh_apply2(b->turn, c->l, l);
+  gh_apply2(b->turn, c->f, f);
+  double n[2] = {l[0] / length, l[1] / length}, along = f[0] * n[0] + f[1] * n[1];
+  gh_text_print(t, "%d %d %d %.17g %.17g %.17g %.17g %.17g %.17g %.17g %.17g %.17g", k + 1, c->i + 1,
+                c->j + 1, x[0], x[1], l[0], l[1], f[0], f[1], -along, f[1] * n[0] - f[0] * n[1], c->overlap);
+  if (v->friction) {
+    const gh_friction *q = v->friction + k;
+    gh_text_print(t, " %d %.17g %.17g", q->slides != 0, q->slip.gamma, q->slip.gamma_pl);
+  }
+  gh_text_print(t, "\n");
+}
+
 static void print_contacts(gh_text *t, int counter, const gh_rve_view *v, const box *b) {
   print_head(t, counter, "ENTRIES", v->ncontacts, b);
-  gh_text_print(t, "ITEM: ENTRIES index id1 id2 x1 y1 lx ly fx fy fn ft overlap\n");
-  for (int k = 0; k < v->ncontacts; k++) {
-    const gh_contact *c = v->contacts + k;
-    double x[2], l[2], f[2], length = hypot(c->l[0], c->l[1]);
-    int image[2];
-    into_box(b, v->x + 2 * c->i, x, image);
-    gh_apply2(b->turn, c->l, l);
-    gh_apply2(b->turn, c->f, f);
-    double n[2] = {l[0] / length, l[1] / length}, along = f[0] * n[0] + f[1] * n[1];
-    gh_text_print(t, "%d %d %d %.17g %.17g %.17g %.17g %.17g %.17g %.17g %.17g %.17g\n", k + 1, c->i + 1,
-                  c->j + 1, x[0], x[1], l[0], l[1], f[0], f[1], -along, f[1] * n[0] - f[0] * n[1],
-                  c->overlap);
-  }
+  gh_text_print(t, "ITEM: ENTRIES index id1 id2 x1 y1 lx ly fx fy fn ft overlap%s\n",
+                v->friction ? " sliding slip slip_plastic" : "");
+  for (int k = 0; k < v->ncontacts; k++) print_contact(t, v, b, k);
 }
 
 static gh_status dump(scene_results *r, const scene_frame *f, const char *folder, int point, bool contacts,

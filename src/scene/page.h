@@ -96,7 +96,7 @@ typedef struct scene_rve {
   int point, step, periodic;
   size_t n, ncontacts;
   double *x, *radius, *contact; /* contact: branch and force, ncontacts x 4 */
-  int *flags, *pairs;
+  int *flags, *pairs, *sliding; /* sliding: ncontacts, NULL without friction */
   double cell[4], low[2], cauchy[4];
 } scene_rve;
 bool scene_rve_recorded(gh_h5 *file, int point);

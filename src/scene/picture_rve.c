@@ -10,6 +10,7 @@ void scene_rve_free(scene_rve *d) {
   free(d->contact);
   free(d->flags);
   free(d->pairs);
+  free(d->sliding);
 }
 
 bool scene_rve_recorded(gh_h5 *file, int point) {
@@ -20,9 +21,10 @@ bool scene_rve_recorded(gh_h5 *file, int point) {
 }
 
 /* Arrays of equal length, and contacts of grains that are there. */
-static gh_status check_rve(gh_context *ctx, const scene_rve *d, const size_t rows[3]) {
+static gh_status check_rve(gh_context *ctx, const scene_rve *d, const size_t rows[4]) {
   bool good = rows[0] == d->n && rows[1] == d->n && rows[2] == d->ncontacts && gh_finite(d->x, 2 * d->n) &&
               gh_finite(d->radius, d->n) && gh_finite(d->contact, 4 * d->ncontacts);
+  good = good && (!d->sliding || rows[3] == d->ncontacts);
   for (size_t k = 0; k < 2 * d->ncontacts; k++) good = good && d->pairs[k] >= 0 && (size_t)d->pairs[k] < d->n;
   return good ? GH_OK
               : gh_fail(ctx, GH_INPUT, "rves.h5: the grains of point %d do not fit together", d->point);
@@ -30,7 +32,7 @@ static gh_status check_rve(gh_context *ctx, const scene_rve *d, const size_t row
 
 gh_status scene_rve_read(gh_context *ctx, gh_h5 *file, int point, scene_rve *d) {
   char name[64];
-  size_t rows[3];
+  size_t rows[4], cols;
   *d = (scene_rve){.point = point};
 #define AT(what) (snprintf(name, sizeof name, "/rve/%04d/%s", point, what), name)
   GH_TRY(scene_get_doubles(ctx, file, AT("positions"), &d->n, 2, &d->x));
@@ -42,6 +44,8 @@ gh_status scene_rve_read(gh_context *ctx, gh_h5 *file, int point, scene_rve *d) 
   GH_TRY(gh_h5_get_doubles(file, AT("low"), 1, 2, d->low));
   GH_TRY(gh_h5_get_doubles(file, AT("cauchy"), 1, 4, d->cauchy));
   GH_TRY(gh_h5_get_ints(file, AT("periodic"), 1, 1, &d->periodic));
+  if (gh_h5_size(file, AT("contact_sliding"), rows + 3, &cols) == GH_OK)
+    GH_TRY(scene_get_ints(ctx, file, name, rows + 3, 1, &d->sliding));
 #undef AT
   GH_TRY(gh_h5_get_ints(file, "/step", 1, 1, &d->step));
   return check_rve(ctx, d, rows);

@@ -129,20 +129,28 @@ static void print_force(gh_text *out, const view *v, const scene_rve *d, size_t 
   if (off > 1e-6 * (v->high[0] - v->low[0])) print_branch(out, v, end[1], l, -1);
 }
 
+/* Lines of about the same width are one path. */
+static void print_level(gh_text *out, const view *v, const scene_rve *d, int level, bool sliding,
+                        double most) {
+  bool any = false;
+  for (size_t k = 0; k < d->ncontacts; k++) {
+    int at = (int)(LEVELS * force_of(d, k) / fmax(most, 1e-300));
+    if ((at < LEVELS ? at : LEVELS - 1) != level || (d->sliding && d->sliding[k]) != sliding) continue;
+    if (!any) gh_text_print(out, "<path stroke-width=\"%.1f\" d=\"", WIDEST * (level + 0.5) / LEVELS);
+    any = true;
+    print_force(out, v, d, k);
+  }
+  if (any) gh_text_print(out, "\"/>");
+}
+
 static void print_forces(gh_text *out, const view *v, const scene_rve *d) {
   double most = largest_force(d);
   gh_text_print(out, "<g class=\"fc\">");
-  for (int level = 0; level < LEVELS; level++) { /* lines of about the same width are one path */
-    bool any = false;
-    for (size_t k = 0; k < d->ncontacts; k++) {
-      int at = (int)(LEVELS * force_of(d, k) / fmax(most, 1e-300));
-      if ((at < LEVELS ? at : LEVELS - 1) != level) continue;
-      if (!any) gh_text_print(out, "<path stroke-width=\"%.1f\" d=\"", WIDEST * (level + 0.5) / LEVELS);
-      any = true;
-      print_force(out, v, d, k);
-    }
-    if (any) gh_text_print(out, "\"/>");
-  }
+  for (int level = 0; level < LEVELS; level++) print_level(out, v, d, level, false, most);
+  gh_text_print(out, "</g>");
+  if (!d->sliding) return;
+  gh_text_print(out, "<g class=\"fs\">");
+  for (int level = 0; level < LEVELS; level++) print_level(out, v, d, level, true, most);
   gh_text_print(out, "</g>");
 }
 
@@ -168,9 +176,9 @@ static void draw_network(report *r, const scene_rve *d) {
     gh_text_print(r->out, " ");
     report_escape(r->out, r->labels.force);
   }
-  gh_text_print(r->out, ". Outlines: rattlers; lighter: %s; orange: the cell, %.4g by %.4g",
-                d->periodic ? "periodic images" : "replicas", hypot(d->cell[0], d->cell[2]),
-                hypot(d->cell[1], d->cell[3]));
+  gh_text_print(r->out, "%s. Outlines: rattlers; lighter: %s; orange: the cell, %.4g by %.4g",
+                d->sliding ? "; purple: sliding contacts" : "", d->periodic ? "periodic images" : "replicas",
+                hypot(d->cell[0], d->cell[2]), hypot(d->cell[1], d->cell[3]));
   print_length(r);
   gh_text_print(r->out, ".</p></figure>\n");
 }

@@ -60,7 +60,8 @@ static const char *const style[] = {
     ".g{fill:var(--grain);stroke:var(--grainline)}.r{fill:var(--replica);stroke:var(--replicaline)}",
     ".w{fill:none;stroke:var(--grainline);stroke-dasharray:7 5}",
     ".fc "
-    "path{fill:none;stroke:var(--c1);stroke-linecap:round}.cell{fill:none;stroke:var(--c2);stroke-width:3}",
+    "path{fill:none;stroke:var(--c1);stroke-linecap:round}.fs "
+    "path{fill:none;stroke:var(--c4);stroke-linecap:round}.cell{fill:none;stroke:var(--c2);stroke-width:3}",
     ".tr{fill:none;stroke:var(--c1);stroke-width:3;stroke-linejoin:round}.dot{fill:var(--c2)}",
     ".scroll{overflow:auto;max-height:30rem;border:1px solid var(--line)}",
     "table{border-collapse:collapse;font-size:.84rem;font-variant-numeric:tabular-nums}",

@@ -46,6 +46,13 @@ static gh_status put_rve(scene_results *r, gh_h5 *file, int point) {
   }
   PUT(ints, "contact_pairs", nc, 2, pairs);
   PUT(doubles, "contact_branch_force", nc, 4, row);
+  if (v.theta) {
+    PUT(doubles, "rotations", n, 1, v.theta);
+  }
+  for (size_t k = 0; k < nc && v.friction; k++) pairs[k] = v.friction[k].slides != 0;
+  if (v.friction) {
+    PUT(ints, "contact_sliding", nc, 1, pairs);
+  }
 #undef PUT
 done:
   free(row);

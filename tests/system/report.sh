@@ -8,12 +8,14 @@ cases=$(pwd)/tests/data/cases
 failed=0
 say() { if [ "$1" = 0 ]; then echo "ok - $2"; else echo "not ok - $2"; failed=1; fi; }
 
-for boundary in periodic restricted; do
-  cat >"$work/$boundary.yaml" <<E
+for name in periodic restricted friction; do
+  boundary=$name contact=
+  [ $name = friction ] && boundary=periodic contact=', tangential_stiffness: 40, friction_coefficient: 0.1'
+  cat >"$work/$name.yaml" <<E
 title: 'Block <b> & "sand"'
 units: {length: mm, force: N}
 packing: $cases/packings/block150.data
-contact: {normal_stiffness: 50}
+contact: {normal_stiffness: 50$contact}
 micro: {boundary: $boundary, engine: native}
 start: {confinement: 0.02}
 mesh: {rectangle: {size: [100, 50], elements: [2, 1]}}
@@ -23,8 +25,8 @@ steps:
   - {name: compress, increments: 4, displace: [{edge: top, y: -0.4}]}
 results: {dump: [1, 6], dump_every: 2}
 E
-  "$granhom" run "$work/$boundary.yaml" -o "$work/$boundary" --quiet >"$work/log" 2>&1
-  say $? "$boundary: the run ends"
+  "$granhom" run "$work/$name.yaml" -o "$work/$name" --quiet >"$work/log" 2>&1
+  say $? "$name: the run ends"
 done
 
 # ---- dumps ----
@@ -47,14 +49,22 @@ def frames(path):
         assert data.shape == (rows, len(names)), (data.shape, rows, names)
         yield step, lines[4], bounds, {n: data[:, k] for k, n in enumerate(names)}
         lines = lines[9 + rows:]
+sliding = []
 def check(box, bounds, g, c, at, point):
     assert len(c["id1"]) == at["contacts"][point] and g["rattler"].sum() == at["rattlers"][point]
     i, j = c["id1"].astype(int) - 1, c["id2"].astype(int) - 1
     f, l = np.stack([c["fx"], c["fy"]], axis=1), np.stack([c["lx"], c["ly"]], axis=1)
     length = np.hypot(*l.T)
     assert np.allclose(g["radius"][i] + g["radius"][j] - length, c["overlap"], atol=1e-14) and c["overlap"].min() >= 0
-    assert np.allclose(c["fn"], 50 * c["overlap"], rtol=1e-8) and np.abs(c["ft"]).max() < 1e-12
-    assert np.allclose(np.hypot(*f.T), c["fn"])
+    assert np.allclose(c["fn"], 50 * c["overlap"], rtol=1e-8) and np.allclose(np.hypot(*f.T), np.hypot(c["fn"], c["ft"]))
+    if "sliding" in c:  # the coefficient of friction is 0.1; a factor near 1, |l^n|/|l| t^n.t, scales f_t (7.20)
+        assert c["sliding"].sum() == at["sliding"][point] and "theta" in g
+        assert (np.abs(c["ft"]) <= 0.1 * c["fn"] * 1.02).all()
+        slides = c["sliding"] == 1
+        assert np.allclose(np.abs(c["ft"])[slides], 0.1 * c["fn"][slides], rtol=0.02)
+        sliding.append(slides.sum())
+    else:
+        assert np.abs(c["ft"]).max() < 1e-12
     total = np.zeros((len(g["id"]), 2))
     np.add.at(total, i, f)
     np.add.at(total, j, -f)
@@ -82,10 +92,11 @@ with h5py.File(f"{folder}/results.h5") as h5:
         assert [f[0] for f in grains] == [f[0] for f in contacts] == [0, 2, 4, 6]
         for (step, box, bounds, g), (_, _, _, c) in zip(grains, contacts):
             check(box, bounds, g, c, h5[f"/step{step:04d}/points"], point)
+assert not sliding or max(sliding) > 0
 E
-for boundary in periodic restricted; do
-  /usr/bin/python3 "$work/dumps.py" "$work/$boundary"
-  say $? "$boundary: dumps hold whole frames, contact law, equilibrium, stress and anisotropy of results.h5"
+for name in periodic restricted friction; do
+  /usr/bin/python3 "$work/dumps.py" "$work/$name"
+  say $? "$name: dumps hold whole frames, contact law, equilibrium, stress and anisotropy of results.h5"
 done
 
 (cd "$work/periodic" && /usr/bin/python3 - <<'E'
@@ -217,6 +228,9 @@ E
 say $? 'periodic: the page is whole, needs nothing from outside, and its numbers are those of the files'
 /usr/bin/python3 "$work/page.py" "$work/page.html" "$work/restricted" 3 0
 say $? 'restricted, chosen points: likewise'
+"$granhom" report "$work/friction" -o "$work/page.html" >"$work/log" 2>&1 &&
+  /usr/bin/python3 "$work/page.py" "$work/page.html" "$work/friction" 0 && grep -q 'purple: sliding contacts' "$work/page.html"
+say $? 'friction: likewise, and sliding contacts are told'
 
 # ---- folders that lack something ----
 
