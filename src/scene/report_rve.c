@@ -251,18 +251,48 @@ static gh_status read_traces(report *r, const scene_rve *d, traces *t) {
   return GH_OK;
 }
 
-static void print_trace(gh_text *out, const view *v, const scene_rve *d, const traces *t, size_t grain) {
+/* The longest way from the start is drawn as long as about the largest radius: 1, 2 or 5 times a power of
+ * ten. */
+static double enlargement(const scene_rve *d, const traces *t) {
+  double most = 0;
+  for (int k = 0; k < t->n; k++)
+    for (size_t n = 0; n < 2 * d->n; n++) most = fmax(most, fabs(t->x[k][n] - d->x[n]));
+  double wanted = largest_radius(d) / fmax(most, 1e-300);
+  if (wanted < 2 || most == 0) return 1;
+  double power = pow(10, floor(log10(wanted))), x = wanted / power;
+  return power * (x < 2 ? 1 : x < 5 ? 2 : 5);
+}
+
+static void print_trace(gh_text *out, const view *v, const scene_rve *d, const traces *t, double factor,
+                        size_t grain) {
   double shift[2];
   scene_rve_home(d, d->x + 2 * grain, shift);
   for (int k = 0; k < t->n; k++) {
-    const double *x = t->x[k] + 2 * grain;
-    gh_text_print(out, "%s%.0f %.0f", k ? "L" : "M", px(v, x[0] + shift[0]), py(v, x[1] + shift[1]));
+    double x[2];
+    for (size_t i = 0; i < 2; i++) {
+      double now = d->x[2 * grain + i];
+      x[i] = now + shift[i] + factor * (t->x[k][2 * grain + i] - now);
+    }
+    gh_text_print(out, "%s%.0f %.0f", k ? "L" : "M", px(v, x[0]), py(v, x[1]));
   }
 }
 
-static void print_traces(report *r, const scene_rve *d, const traces *t, const double cell[4],
-                         const double low[2]) {
+static void print_dots(gh_text *out, const view *v, const scene_rve *d) {
+  for (size_t n = 0; n < d->n; n++) {
+    double shift[2];
+    if (d->flags[n] & REPLICA) continue;
+    scene_rve_home(d, d->x + 2 * n, shift);
+    gh_text_print(out, "<circle class=\"dot\" cx=\"%.0f\" cy=\"%.0f\" r=\"5\"/>",
+                  px(v, d->x[2 * n] + shift[0]), py(v, d->x[2 * n + 1] + shift[1]));
+  }
+}
+
+/* cell, low: at the start. */
+static void print_traces(report *r, const scene_rve *d, const traces *t, double cell[4], double low[2]) {
   view v;
+  double factor = enlargement(d, t);
+  for (int k = 0; k < 4; k++) cell[k] = d->cell[k] + factor * (cell[k] - d->cell[k]);
+  for (int k = 0; k < 2; k++) low[k] = d->low[k] + factor * (low[k] - d->low[k]);
   view_fit(&v, d, 1.1 * largest_radius(d));
   for (int k = 0; k < 4; k++) {
     double x[2];
@@ -276,17 +306,12 @@ static void print_traces(report *r, const scene_rve *d, const traces *t, const d
   print_cell(r->out, &v, d->cell, d->low, "cell");
   gh_text_print(r->out, "<path class=\"tr\" d=\"");
   for (size_t n = 0; n < d->n; n++)
-    if (!(d->flags[n] & REPLICA)) print_trace(r->out, &v, d, t, n);
+    if (!(d->flags[n] & REPLICA)) print_trace(r->out, &v, d, t, factor, n);
   gh_text_print(r->out, "\"/>");
-  for (size_t n = 0; n < d->n; n++) {
-    double shift[2];
-    if (d->flags[n] & REPLICA) continue;
-    scene_rve_home(d, d->x + 2 * n, shift);
-    gh_text_print(r->out, "<circle class=\"dot\" cx=\"%.0f\" cy=\"%.0f\" r=\"5\"/>",
-                  px(&v, d->x[2 * n] + shift[0]), py(&v, d->x[2 * n + 1] + shift[1]));
-  }
-  gh_text_print(r->out, "</svg><p class=\"note\">Paths of the centres from the start to the dots. Orange: "
-                        "the cell now, dashed: at the start.</p></figure>\n");
+  print_dots(r->out, &v, d);
+  gh_text_print(r->out, "</svg><p class=\"note\">Paths of the centres from the start to the dots");
+  if (factor > 1) gh_text_print(r->out, ", motion drawn %g times as large", factor);
+  gh_text_print(r->out, ". Orange: the cell now, dashed: at the start.</p></figure>\n");
 }
 
 static gh_status draw_traces(report *r, const scene_rve *d) {
