@@ -4,6 +4,7 @@
 #define GH_VERSION "0.1.0"
 #include "granhom/base.h"
 #include "granhom/contact.h"
+#include "granhom/control.h"
 #include "granhom/engine.h"
 #include "granhom/farm.h"
 #include "granhom/io.h"

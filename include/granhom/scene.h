@@ -86,6 +86,9 @@ gh_status gh_picture_rve(gh_context *ctx, const char *folder, int point, const c
 gh_status gh_picture_curves(gh_context *ctx, const char *folder, const char *png);
 /* Residuals over the iterations of the last increments. Needs gnuplot. */
 gh_status gh_picture_convergence(gh_context *ctx, const char *folder, const char *png);
+/* A drawing of the caller's own: commands of gnuplot, after a preamble that sets the terminal and the looks
+ * of the others. Needs gnuplot. */
+gh_status gh_picture_script(gh_context *ctx, const char *commands, int width, int height, const char *png);
 
 /* ---- a report ---- */
 

@@ -159,3 +159,12 @@ gh_status gh_picture_convergence(gh_context *ctx, const char *folder, const char
   free(path);
   return status;
 }
+
+/* ---- drawings of others ---- */
+
+gh_status gh_picture_script(gh_context *ctx, const char *commands, int width, int height, const char *png) {
+  drawing d = {0};
+  gh_status status = drawing_begin(ctx, png, width, height, &d);
+  if (status == GH_OK) fputs(commands, d.out);
+  return drawing_end(ctx, &d, png, status);
+}

@@ -99,8 +99,13 @@ void gh_scene_explain(const gh_scene *s, gh_text *out) {
   explain_micro(s, out);
   explain_solver(s, out);
   explain_start(s, out);
-  for (int k = 0; k < s->nsteps; k++)
-    gh_text_print(out, "step %-12d %s: %d increments\n", k + 1, s->steps[k].name, s->steps[k].increments);
+  for (int k = 0; k < s->nsteps; k++) {
+    const scene_step *step = s->steps + k;
+    gh_text_print(out, "step %-12d %s: %d increments", k + 1, step->name, step->increments);
+    for (int j = 0; j < step->nfootings; j++)
+      gh_text_print(out, "; rigid footing on '%s'", s->mesh->sets[step->footings[j].set].name);
+    gh_text_print(out, "\n");
+  }
 }
 
 void gh_summary_print(const gh_run_summary *m, const char *folder, gh_text *out) {

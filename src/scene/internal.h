@@ -24,14 +24,20 @@ typedef struct scene_force {
   double from[2], to[2];
 } scene_force;
 
+typedef struct scene_footing {
+  int set, line;
+  double at[2], from[2], to[2];
+} scene_footing;
+
 typedef struct scene_step {
   char *name;
   int increments, line;
-  int nsupports, nreleases, npressures, ndisplaces, nforces;
+  int nsupports, nreleases, npressures, ndisplaces, nforces, nfootings;
   scene_fix *supports, *releases;
   scene_pressure *pressures;
   scene_displace *displaces;
   scene_force *forces;
+  scene_footing *footings;
   bool gravity;
   double gravity_from[2], gravity_to[2];
 } scene_step;
@@ -41,11 +47,20 @@ typedef struct scene_ramp {
   double from, to, now;
 } scene_ramp;
 
+/* A footing that stands: its force at `at`, and what an earlier step has left at another point and fades. */
+typedef struct scene_standing {
+  bool stands;
+  int line;
+  double at[2], old_at[2];
+  scene_ramp force[2], old[2];
+} scene_standing;
+
 /* What acts: the plan's memory from step to step (program.c). */
 typedef struct scene_present {
-  scene_ramp *pressure;   /* nsets */
-  bool *follow;           /* nsets */
-  scene_ramp (*force)[2]; /* nsets */
+  scene_ramp *pressure;    /* nsets */
+  bool *follow;            /* nsets */
+  scene_ramp (*force)[2];  /* nsets */
+  scene_standing *footing; /* nsets */
   scene_ramp gravity[2];
   scene_ramp *u;       /* 2 nnodes, where held */
   bool *held, *driven; /* 2 nnodes; driven: by a `displace` of this step or of one before */

@@ -388,6 +388,7 @@ static void destroy_step(scene_step *step) {
   free(step->pressures);
   free(step->displaces);
   free(step->forces);
+  free(step->footings);
 }
 
 void gh_scene_destroy(gh_scene **scene) {

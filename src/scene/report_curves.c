@@ -194,7 +194,7 @@ static int table_columns(const report *r, int column[MOST_COLUMNS]) {
   static const char *const more[] = {"iterations", "substeps",     "cuts",    "jumps",
                                      "unjammed",   "min_acoustic", "residual"};
   int n = 0;
-  if (r->curve.driven) column[n++] = r->curve.x;
+  column[n++] = r->curve.x;
   if (r->curve.force >= 0) column[n++] = r->curve.force;
   column[n++] = r->curve.dilatancy;
   for (size_t j = 0; j < sizeof more / sizeof *more; j++) {

@@ -80,6 +80,23 @@ double scene_table_number(const scene_table *t, int row, int column) {
   return gh_parse_number(scene_table_text(t, row, column), &value) ? value : NAN;
 }
 
+/* The settlement of the first footing and the force on it, where there is one and nothing is driven. */
+static bool choose_footing(const scene_table *h, const char *unit, const char *force_unit, scene_curve *c) {
+  static const char key[] = "footing_uy_";
+  char name[96];
+  for (int k = 0; k < h->ncols; k++) {
+    if (strncmp(h->name[k], key, strlen(key)) != 0) continue;
+    c->x = k;
+    snprintf(name, sizeof name, "footing_fy_%.70s", h->name[k] + strlen(key));
+    c->force = scene_table_column(h, name);
+    c->sign = -1;
+    snprintf(c->x_label, sizeof c->x_label, "settlement of the footing%s", unit);
+    snprintf(c->force_label, sizeof c->force_label, "force on the footing in y%s", force_unit);
+    return true;
+  }
+  return false;
+}
+
 gh_status scene_curve_choose(gh_context *ctx, const scene_table *h, const scene_labels *l, scene_curve *c) {
   char name[128], unit[80] = "", force_unit[80] = "";
   if (*l->length) snprintf(unit, sizeof unit, " (%s)", l->length);
@@ -92,14 +109,18 @@ gh_status scene_curve_choose(gh_context *ctx, const scene_table *h, const scene_
     snprintf(c->x_label, sizeof c->x_label, "displacement of %s in %s%c%s", l->driven_set,
              c->sign < 0 ? "-" : "", l->driven_direction, unit);
     snprintf(name, sizeof name, "%s_%c", l->driven_set, l->driven_direction);
+  } else if (choose_footing(h, unit, force_unit, c)) {
+    *name = 0;
   } else {
     c->x = scene_table_column(h, "time");
     snprintf(c->x_label, sizeof c->x_label, "load steps");
     snprintf(name, sizeof name, "bottom_y");
   }
-  c->force = scene_table_column(h, name);
-  snprintf(c->force_label, sizeof c->force_label, "support force on %.*s in %c%s", (int)strlen(name) - 2,
-           name, name[strlen(name) - 1], force_unit);
+  if (*name) {
+    c->force = scene_table_column(h, name);
+    snprintf(c->force_label, sizeof c->force_label, "support force on %.*s in %c%s", (int)strlen(name) - 2,
+             name, name[strlen(name) - 1], force_unit);
+  }
   c->dilatancy = scene_table_column(h, "dilatancy");
   if (c->x < 0 || c->dilatancy < 0)
     return gh_fail(ctx, GH_INPUT, "history.csv lacks the columns to draw (time, dilatancy)");
