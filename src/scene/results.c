@@ -183,8 +183,11 @@ gh_status scene_results_create(gh_scene *scene, gh_farm *farm, gh_macro *macro, 
 /* ---- going on from a checkpoint ---- */
 
 void scene_results_texts(const scene_results *r, scene_text list[SCENE_TEXTS]) {
-  const scene_text all[SCENE_TEXTS] = {
-      {"history", r->history}, {"convergence", r->convergence}, {"timing", r->timing}, {"xdmf", r->xdmf}};
+  const scene_text all[SCENE_TEXTS] = {{"history", r->history},
+                                       {"convergence", r->convergence},
+                                       {"timing", r->timing},
+                                       {"xdmf", r->xdmf},
+                                       {"points_xdmf", r->points_xdmf}};
   memcpy(list, all, sizeof all);
 }
 

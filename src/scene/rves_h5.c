@@ -86,6 +86,11 @@ static gh_status put_trace(scene_results *r, gh_h5 *file, int point, int counter
   char name[64];
   GH_TRY(scene_look_at_point(r, point, &v, &m));
   if (!m) return GH_OK;
+  bool there = counter > 0; /* a run that goes on from a checkpoint may have written further than that */
+  for (int k = counter; there; k++) {
+    snprintf(name, sizeof name, "/trace/%04d/step%04d", point, k);
+    GH_TRY(gh_h5_remove(file, name, &there));
+  }
   snprintf(name, sizeof name, "/trace/%04d/step%04d", point, counter);
   return gh_h5_put_doubles(file, name, (size_t)v.n, 2, v.x);
 }
