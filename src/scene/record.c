@@ -120,9 +120,11 @@ static void add_summary(cJSON *root, const gh_run_summary *m) {
   number(farm, "bytes_of_one", m->farm.bytes);
   number(time, "total", m->seconds);
   number(time, "micro", m->micro_seconds);
+  number(time, "micro_set", m->cost.set);
   number(time, "micro_relax", m->cost.relax);
   number(time, "micro_contacts", m->cost.contacts);
   number(time, "micro_factorise", m->cost.factorise);
+  number(time, "micro_sum", m->cost.total); /* over all points: the parts above belong to it */
   number(time, "results", m->results_seconds);
 }
 
