@@ -348,8 +348,12 @@ static void print_number(report *r, const char *label, const char *name, int poi
 static void print_head(report *r, int point) {
   const double *s = r->cauchy + 4 * point;
   gh_text_print(r->out, "<h3 id=\"point%d\">Point %d", point, point);
-  if (point == r->most) gh_text_print(r->out, ", the largest von Mises stress");
-  if (point == r->least) gh_text_print(r->out, ", the smallest acoustic eigenvalue");
+  if (point == r->most_shown)
+    gh_text_print(r->out, ", the largest von Mises stress%s",
+                  point == r->most ? "" : " of the recorded points");
+  if (point == r->least_shown)
+    gh_text_print(r->out, ", the smallest acoustic eigenvalue%s",
+                  point == r->least ? "" : " of the recorded points");
   gh_text_print(r->out, "</h3>\n<p class=\"soft\">Element %d, at (%.4g, %.4g)", point / 4,
                 r->gauss[2 * point], r->gauss[2 * point + 1]);
   print_length(r);

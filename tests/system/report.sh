@@ -249,6 +249,9 @@ cp -r "$work/periodic" "$work/part"
 rm "$work/part/rves.h5" "$work/part/traces.h5"
 partly 'a run without recorded grains' 'The run has recorded no grains'
 cp -r "$work/periodic" "$work/part"
+echo 'for k in (0, 1, 2, 3, 4, 6, 7): del rves[f"/rve/{k:04d}"]' | change part
+partly 'a run that recorded one point shows it' '<h3 id="point5">Point 5, the largest von Mises stress of the recorded points, the smallest acoustic eigenvalue of the recorded points'
+cp -r "$work/periodic" "$work/part"
 rm "$work/part/traces.h5"
 change part <<'E'
 for k in range(7):
