@@ -71,11 +71,17 @@ typedef enum scene_start { SCENE_START_NONE, SCENE_START_CONFINEMENT, SCENE_STAR
 struct gh_scene {
   gh_context *ctx;
   char *path, *text, *title, *length_unit, *force_unit;
-  char *packing_path;
-  gh_packing *packing;
+  int npackings; /* different files */
+  char **packing_paths;
+  gh_packing **packings;
+  int *packing_of;    /* 4 nelements: packing of each integration point */
+  bool packing_drawn; /* by the seed */
+  long packing_seed;
   gh_mesh *mesh;
   int nsets; /* of the mesh as the user knows it; behind these comes one set per node (program.c) */
   gh_rve_options micro;
+  bool no_share;
+  int resident; /* RVEs kept ready on a rank; 0: by memory */
   gh_macro_options solver;
   scene_start start;
   int start_line;
@@ -93,6 +99,10 @@ struct gh_scene {
 };
 
 enum { SCENE_ALL_RVES = -1, SCENE_FEW_RVES = -2, SCENE_FEW = 64 };
+
+/* packings.c */
+int scene_packing_points(const gh_scene *scene, int packing); /* at how many integration points it is */
+void scene_packings_destroy(gh_scene *scene);
 
 /* program.c */
 gh_status scene_program_create(gh_scene *scene);

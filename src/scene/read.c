@@ -81,19 +81,7 @@ gh_status scene_list_length(node list, const char *what, int *length) {
   return GH_OK;
 }
 
-/* ---- material: packing, contact, micro ---- */
-
-static gh_status read_packing(gh_scene *s, node root, const char *folder) {
-  node n;
-  const char *name;
-  GH_TRY(scene_need(root, "a scene", "packing", &n));
-  GH_TRY(gh_yaml_text(n, "packing", &name));
-  s->packing_path = gh_path_join(folder, name);
-  if (!s->packing_path) return gh_fail(s->ctx, GH_MEMORY, "no memory for a path");
-  gh_status status = gh_packing_read(s->ctx, s->packing_path, &s->packing);
-  if (status != GH_OK) gh_prefix(s->ctx, status, "%s:%d: packing: ", gh_yaml_path(n), gh_yaml_line(n));
-  return status;
-}
+/* ---- material: contact, micro ---- */
 
 /* The number at an optional key of `contact`, 0 or more. */
 static gh_status optional_amount(node map, const char *key, double *value) {
@@ -167,7 +155,7 @@ static gh_status read_contact(gh_scene *s, node root) {
 static gh_status read_micro(gh_scene *s, node root) {
   node micro = gh_yaml_get(root, "micro"), n;
   if (!gh_yaml_has(micro)) return GH_OK;
-  GH_TRY(scene_map(micro, "micro", KEYS("boundary", "tolerance", "engine", "max_steps")));
+  GH_TRY(scene_map(micro, "micro", KEYS("boundary", "tolerance", "engine", "max_steps", "resident")));
   const char *word;
   if (gh_yaml_has(n = gh_yaml_get(micro, "boundary"))) {
     GH_TRY(gh_yaml_text(n, "boundary", &word));
@@ -182,6 +170,7 @@ static gh_status read_micro(gh_scene *s, node root) {
   }
   if (gh_yaml_has(n = gh_yaml_get(micro, "max_steps")))
     GH_TRY(gh_yaml_integer(n, "max_steps", 1, 2000000000, &s->micro.max_steps));
+  GH_TRY(optional_integer(micro, "resident", 1, 1000000000, &s->resident));
   return fraction(micro, "tolerance", &s->micro.tolerance);
 }
 
@@ -348,7 +337,7 @@ static gh_status read_root(gh_scene *s, node root, const char *folder) {
   if (gh_yaml_has(gravity = gh_yaml_get(root, "gravity"))) GH_TRY(scene_pair(gravity, "gravity", s->gravity));
   GH_TRY(scene_read_steps(s, root));
   GH_TRY(scene_read_results(s, root));
-  return read_packing(s, root, folder);
+  return scene_read_packings(s, root, folder);
 }
 
 gh_status gh_scene_read(gh_context *ctx, const char *path, gh_scene **scene) {
@@ -396,7 +385,7 @@ void gh_scene_destroy(gh_scene **scene) {
   gh_scene *s = *scene;
   scene_program_destroy(s);
   for (int k = 0; k < s->nsteps; k++) destroy_step(s->steps + k);
-  gh_packing_destroy(&s->packing);
+  scene_packings_destroy(s);
   gh_mesh_destroy(&s->mesh);
   free(s->steps);
   free(s->supports);
@@ -407,11 +396,14 @@ void gh_scene_destroy(gh_scene **scene) {
   free(s->title);
   free(s->length_unit);
   free(s->force_unit);
-  free(s->packing_path);
   free(s);
   *scene = NULL;
 }
 
 void gh_scene_set_engine(gh_scene *scene, gh_engine_kind engine) {
   scene->micro.engine = engine;
+}
+
+void gh_scene_set_sharing(gh_scene *scene, bool share) {
+  scene->no_share = !share;
 }

@@ -12,9 +12,10 @@ struct scene_results {
   gh_farm *farm;
   gh_macro *macro;
   char *folder;
-  gh_text *history, *convergence, *xdmf, *points_xdmf;
-  bool begun; /* the folder is there */
-  int frames; /* complete increments on disk */
+  gh_text *history, *convergence, *timing, *xdmf, *points_xdmf;
+  bool begun;             /* the folder is there */
+  gh_farm_counts counted; /* by the farm up to the last row of history.csv */
+  int frames;             /* complete increments on disk */
   int unjammed;
   double min_acoustic;
   int most_loaded,

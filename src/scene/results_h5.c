@@ -22,6 +22,7 @@ static gh_status put_mesh(scene_results *r, gh_h5 *file) {
   gh_status status;
   GH_TRY_OR(gh_h5_put_doubles(file, "/mesh/coordinates", nnodes, 3, x), done);
   GH_TRY_OR(gh_h5_put_doubles(file, "/mesh/gauss", npoints, 2, x + 3 * nnodes), done);
+  GH_TRY_OR(gh_h5_put_ints(file, "/mesh/packing", npoints, 1, r->scene->packing_of), done);
   GH_TRY_OR(gh_h5_put_ints(file, "/mesh/cells", (size_t)m->nelements, 4, &m->quad[0][0]), done);
   int *number; /* of the points, one by one: points.xdmf makes a vertex of each */
   GH_TRY_OR(gh_alloc(r->ctx, npoints, sizeof *number, &number), done);

@@ -6,12 +6,8 @@
 #include <string.h>
 
 gh_status scene_look_at_point(scene_results *r, int point, gh_rve_view *view, const gh_rve_measures **m) {
-  gh_rve *rve = gh_farm_rve(r->farm, point);
-  *m = NULL;
-  if (!rve) return GH_OK;
-  GH_TRY(gh_rve_look(rve, view));
   *m = gh_farm_measure(r->farm, point);
-  return GH_OK;
+  return *m ? gh_farm_look(r->farm, point, view) : GH_OK;
 }
 
 static gh_status put_rve(scene_results *r, gh_h5 *file, int point) {
@@ -97,6 +93,11 @@ static gh_status put_trace(scene_results *r, gh_h5 *file, int point, int counter
   char name[64];
   GH_TRY(scene_look_at_point(r, point, &v, &m));
   if (!m) return GH_OK;
+  bool there = counter > 0; /* a run that goes on from a checkpoint may have written further than that */
+  for (int k = counter; there; k++) {
+    snprintf(name, sizeof name, "/trace/%04d/step%04d", point, k);
+    GH_TRY(gh_h5_remove(file, name, &there));
+  }
   snprintf(name, sizeof name, "/trace/%04d/step%04d", point, counter);
   return gh_h5_put_doubles(file, name, primaries(&v), 2, v.x);
 }
