@@ -105,8 +105,8 @@ gh_status gh_picture_script(gh_context *ctx, const char *commands, int width, in
 
 /* One self-contained HTML page about a folder of results: outcome, curves, fields on the mesh, packings of
  * npoints integration points (at most 12; npoints 0: the largest von Mises stress, the smallest acoustic
- * eigenvalue, the first), residuals, times. GH_INPUT: no results, damaged files, a point that does not exist;
- * nothing is written then. */
+ * eigenvalue and the first, of the points whose grains are recorded), residuals, times. GH_INPUT: no results,
+ * damaged files, a point that does not exist; nothing is written then. */
 gh_status gh_report_write(gh_context *ctx, const char *folder, const int *points, int npoints,
                           const char *html);
 

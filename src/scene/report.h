@@ -30,7 +30,7 @@ typedef struct report {
   double *cauchy;                 /* np x 4 at the last increment */
   int least;                      /* point with the smallest acoustic eigenvalue at the last increment */
   int most;                       /* with the largest von Mises stress */
-  bool wished;                    /* the points were chosen by the user */
+  int least_shown, most_shown;    /* the same among the points that are shown by default */
   int npoints, points[REPORT_POINTS];
   int nfilm, film[REPORT_FILM]; /* increments whose fields are drawn */
 } report;

@@ -155,8 +155,26 @@ static void add_point(report *r, int point) {
   r->points[r->npoints++] = point;
 }
 
+/* The extreme points and the first, of those whose grains are recorded; of all where none are. */
+static void choose_extremes(report *r) {
+  const double *acoustic = r->acoustic + (size_t)(r->n - 1) * (size_t)r->np;
+  int most = -1, least = -1, first = -1;
+  for (int p = 0; p < r->np && r->rves; p++) {
+    if (!scene_rve_recorded(r->rves, p)) continue;
+    if (first < 0) most = least = first = p;
+    if (acoustic[p] < acoustic[least]) least = p;
+    if (scene_mises(r->cauchy + 4 * p) > scene_mises(r->cauchy + 4 * most)) most = p;
+  }
+  bool none = first < 0;
+  r->most_shown = none ? r->most : most;
+  r->least_shown = none ? r->least : least;
+  add_point(r, r->most_shown);
+  add_point(r, r->least_shown);
+  add_point(r, none ? 0 : first);
+}
+
 static gh_status choose_points(report *r, const int *points, int npoints) {
-  r->wished = npoints > 0;
+  r->most_shown = r->most, r->least_shown = r->least;
   if (npoints > REPORT_POINTS)
     return gh_fail(r->ctx, GH_INPUT, "at most %d points are drawn, not %d", REPORT_POINTS, npoints);
   for (int k = 0; k < npoints; k++) {
@@ -165,11 +183,7 @@ static gh_status choose_points(report *r, const int *points, int npoints) {
                      points[k], r->np);
     add_point(r, points[k]);
   }
-  if (npoints == 0) {
-    add_point(r, r->most);
-    add_point(r, r->least);
-    add_point(r, 0);
-  }
+  if (npoints == 0) choose_extremes(r);
   return GH_OK;
 }
 

@@ -199,16 +199,23 @@ static gh_status draw_densities(report *r, const scene_rve *d) {
   return GH_OK;
 }
 
-/* Positions of a point's grains at increment k; *x NULL when they are not recorded. */
+/* The primary grains, which come first. */
+static size_t primaries(const scene_rve *d) {
+  size_t n = 0;
+  while (n < d->n && !(d->flags[n] & REPLICA)) n++;
+  return n;
+}
+
+/* Positions of a point's primary grains at increment k; *x NULL when they are not recorded. */
 static gh_status trace_at(report *r, const scene_rve *d, int k, double **x) {
   char name[64];
   size_t rows, cols;
   *x = NULL;
   snprintf(name, sizeof name, "/trace/%04d/step%04d", d->point, k);
   if (!r->traces || gh_h5_size(r->traces, name, &rows, &cols) != GH_OK) return GH_OK;
-  if (rows != d->n || cols != 2)
+  if (rows != primaries(d) || cols != 2)
     return gh_fail(r->ctx, GH_INPUT, "%s/traces.h5: %s has %zu rows, rves.h5 has %zu grains", r->folder, name,
-                   rows, d->n);
+                   rows, primaries(d));
   GH_TRY(gh_alloc(r->ctx, 2 * rows, sizeof **x, x));
   return gh_h5_get_doubles(r->traces, name, rows, 2, *x);
 }
@@ -256,7 +263,7 @@ static gh_status read_traces(report *r, const scene_rve *d, traces *t) {
 static double enlargement(const scene_rve *d, const traces *t) {
   double most = 0;
   for (int k = 0; k < t->n; k++)
-    for (size_t n = 0; n < 2 * d->n; n++) most = fmax(most, fabs(t->x[k][n] - d->x[n]));
+    for (size_t n = 0; n < 2 * primaries(d); n++) most = fmax(most, fabs(t->x[k][n] - d->x[n]));
   double wanted = largest_radius(d) / fmax(most, 1e-300);
   if (wanted < 2 || most == 0) return 1;
   double power = pow(10, floor(log10(wanted))), x = wanted / power;
@@ -278,9 +285,8 @@ static void print_trace(gh_text *out, const view *v, const scene_rve *d, const t
 }
 
 static void print_dots(gh_text *out, const view *v, const scene_rve *d) {
-  for (size_t n = 0; n < d->n; n++) {
+  for (size_t n = 0; n < primaries(d); n++) {
     double shift[2];
-    if (d->flags[n] & REPLICA) continue;
     scene_rve_home(d, d->x + 2 * n, shift);
     gh_text_print(out, "<circle class=\"dot\" cx=\"%.0f\" cy=\"%.0f\" r=\"5\"/>",
                   px(v, d->x[2 * n] + shift[0]), py(v, d->x[2 * n + 1] + shift[1]));
@@ -305,8 +311,7 @@ static void print_traces(report *r, const scene_rve *d, const traces *t, double 
   print_cell(r->out, &v, cell, low, "un");
   print_cell(r->out, &v, d->cell, d->low, "cell");
   gh_text_print(r->out, "<path class=\"tr\" d=\"");
-  for (size_t n = 0; n < d->n; n++)
-    if (!(d->flags[n] & REPLICA)) print_trace(r->out, &v, d, t, factor, n);
+  for (size_t n = 0; n < primaries(d); n++) print_trace(r->out, &v, d, t, factor, n);
   gh_text_print(r->out, "\"/>");
   print_dots(r->out, &v, d);
   gh_text_print(r->out, "</svg><p class=\"note\">Paths of the centres from the start to the dots");
@@ -343,8 +348,12 @@ static void print_number(report *r, const char *label, const char *name, int poi
 static void print_head(report *r, int point) {
   const double *s = r->cauchy + 4 * point;
   gh_text_print(r->out, "<h3 id=\"point%d\">Point %d", point, point);
-  if (point == r->most) gh_text_print(r->out, ", the largest von Mises stress");
-  if (point == r->least) gh_text_print(r->out, ", the smallest acoustic eigenvalue");
+  if (point == r->most_shown)
+    gh_text_print(r->out, ", the largest von Mises stress%s",
+                  point == r->most ? "" : " of the recorded points");
+  if (point == r->least_shown)
+    gh_text_print(r->out, ", the smallest acoustic eigenvalue%s",
+                  point == r->least ? "" : " of the recorded points");
   gh_text_print(r->out, "</h3>\n<p class=\"soft\">Element %d, at (%.4g, %.4g)", point / 4,
                 r->gauss[2 * point], r->gauss[2 * point + 1]);
   print_length(r);

@@ -57,7 +57,7 @@ done:
 }
 
 /* What is recorded of a point: 0 nothing, 1 the last increment, 2 all positions too. */
-enum { LAST = 1, ALL_INCREMENTS = 2 };
+enum { LAST = 1, ALL_INCREMENTS = 2, REPLICA = 4 /* flag of a grain */ };
 
 static void take_list(unsigned char *take, int points, const int *list, int count) {
   for (int k = 0; k < (count == SCENE_ALL_RVES ? points : count); k++)
@@ -80,6 +80,13 @@ static void choose(const scene_results *r, unsigned char *take) {
   }
 }
 
+/* The primary grains come first; replicas follow them. */
+static size_t primaries(const gh_rve_view *v) {
+  size_t n = 0;
+  while (n < (size_t)v->n && !(v->flags[n] & REPLICA)) n++;
+  return n;
+}
+
 static gh_status put_trace(scene_results *r, gh_h5 *file, int point, int counter) {
   gh_rve_view v;
   const gh_rve_measures *m;
@@ -92,7 +99,7 @@ static gh_status put_trace(scene_results *r, gh_h5 *file, int point, int counter
     GH_TRY(gh_h5_remove(file, name, &there));
   }
   snprintf(name, sizeof name, "/trace/%04d/step%04d", point, counter);
-  return gh_h5_put_doubles(file, name, (size_t)v.n, 2, v.x);
+  return gh_h5_put_doubles(file, name, primaries(&v), 2, v.x);
 }
 
 /* rves.h5 is of this increment alone, traces.h5 grows. */
