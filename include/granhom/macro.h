@@ -119,6 +119,12 @@ gh_status gh_macro_balance(gh_macro *macro);
  * or the node with the largest residual and the reason. */
 gh_status gh_macro_solve(gh_macro *macro, const gh_loads *loads, gh_macro_report *report);
 
+/* All that the next gh_macro_solve starts from, without the states of the farm, as numbers: a macro of the
+ * same mesh and options that loads them goes on to the same last bit. GH_INPUT: not of this mesh. */
+size_t gh_macro_state_size(const gh_macro *macro);
+void gh_macro_save(const gh_macro *macro, double *state);
+gh_status gh_macro_load(gh_macro *macro, const double *state, size_t size);
+
 /* State at the last equilibrium. Arrays belong to the macro. */
 const double *gh_macro_u(const gh_macro *macro);         /* nnodes x 2 */
 const double *gh_macro_F(const gh_macro *macro);         /* npoints x 4 */

@@ -111,7 +111,8 @@ gh_status gh_system_create(gh_context *ctx, const gh_mesh *mesh, gh_system **sys
 void gh_system_destroy(gh_system **system);
 /* Which degrees of freedom are prescribed, and which nodes follow one of n rigid bodies (owner: the body of
  * each node, -1 for none; NULL: no bodies). A body's three unknowns stand behind the ndof entries of b and x:
- * two displacements and the turn. A new analysis only when this changes. */
+ * two displacements and the turn. At the begin of an increment: analyses are not kept from one to the next,
+ * because UMFPACK's depends on the values, and a restart has only those to come. */
 gh_status gh_system_constrain(gh_system *system, const unsigned char *fixed, int n, const int *owner);
 /* Displacement of a node for a unit turn of its body. */
 void gh_system_turn(gh_system *system, int node, const double turn[2]);

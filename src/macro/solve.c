@@ -247,10 +247,10 @@ static gh_status make_free_part(gh_system *s, const int *place) {
 gh_status gh_system_constrain(gh_system *s, const unsigned char *fixed, int n, const int *owner) {
   size_t nnodes = (size_t)s->ndof / 2;
   bool same = s->constrained && n == s->nbodies && memcmp(s->fixed, fixed, (size_t)s->ndof) == 0;
+  forget_analysis(s);
   if (same && (n == 0 || memcmp(s->owner, owner, nnodes * sizeof *owner) == 0)) return GH_OK;
   int *place = NULL;
   GH_TRY(gh_alloc(s->ctx, (size_t)s->ndof, sizeof *place, &place));
-  forget_analysis(s);
   s->constrained = false;
   memcpy(s->fixed, fixed, (size_t)s->ndof);
   for (size_t a = 0; a < nnodes; a++) s->owner[a] = n > 0 ? owner[a] : -1;

@@ -1,4 +1,5 @@
-/* history.csv and convergence.csv: one row per increment, one per residual.
+/* history.csv and timing.csv: one row per increment; convergence.csv: one per residual. What depends on the
+ * machine or on chance stands in the latter two: history.csv is the same whenever the scene is.
  * SPDX-License-Identifier: GPL-2.0-or-later */
 #include "scene/results.h"
 
@@ -89,9 +90,8 @@ void scene_history_header(scene_results *r) {
     gh_text_print(r->history, ",%s_x,%s_y", name, name);
   }
   history_footings(r, NULL);
-  gh_text_print(
-      r->history,
-      ",dilatancy,iterations,substeps,cuts,jumps,unjammed,min_acoustic,residual,micro_seconds,seconds\n");
+  gh_text_print(r->history, ",dilatancy,iterations,substeps,cuts,jumps,unjammed,min_acoustic,residual,"
+                            "micro_evaluations,micro_steps,micro_factorisations\n");
 }
 
 void scene_history_row(scene_results *r, const scene_frame *f) {
@@ -110,9 +110,16 @@ void scene_history_row(scene_results *r, const scene_frame *f) {
   double V, v;
   const gh_macro_report *m = f->report;
   gh_macro_volumes(r->macro, &V, &v);
-  gh_text_print(t, ",%.17g,%d,%d,%d,%d,%d,%.17g,%.17g,%.17g,%.17g\n", 100 * (v / V - 1), m->iterations,
-                m->substeps, m->cuts, m->jumps, r->unjammed, r->min_acoustic, m->relative, m->micro_seconds,
-                m->seconds);
+  gh_farm_counts now, *before = &r->counted;
+  gh_farm_count(r->farm, &now);
+  gh_text_print(t, ",%.17g,%d,%d,%d,%d,%d,%.17g,%.17g,%ld,%ld,%ld\n", 100 * (v / V - 1), m->iterations,
+                m->substeps, m->cuts, m->jumps, r->unjammed, r->min_acoustic, m->relative,
+                now.evaluations - before->evaluations, now.steps - before->steps,
+                now.factorisations - before->factorisations);
+  gh_text_print(r->timing, "%d,%.17g,%.17g,%ld,%ld,%ld,%d\n", f->counter, m->seconds, m->micro_seconds,
+                now.evaluations - before->evaluations, now.computed - before->computed,
+                now.moved - before->moved, now.ranks);
+  r->counted = now;
 }
 
 void scene_results_iteration(scene_results *r, int counter, const gh_macro_iteration *it) {

@@ -49,8 +49,8 @@ ComputeContact::~ComputeContact() {
 PairNormal *ComputeContact::pair() const {
   PairNormal *p = PairNormal::in_use(force);
   if (!p)
-    error->all(FLERR,
-               std::string("Compute ") + style + " requires pair style granhom/normal or granhom/coulomb");
+    error->all(FLERR, std::string("Compute ") + style +
+                          " requires one of the pair styles granhom/normal and granhom/coulomb");
   return p;
 }
 
@@ -70,8 +70,8 @@ void ComputeContact::init() {
  * holds every contact if no two atoms can have come nearer than the skin since it was made. */
 void ComputeContact::check_list(const PairNormal &p) {
   if (update->whichflag) return; /* within a run: the list, the ghosts and the forces belong together */
-  int stale = !p.builds || (coulomb && !coulomb->history()->fresh()) ||
-              p.build_id.size() != (std::size_t)atom->nlocal ||
+  int stale = !p.builds || (coulomb && !(coulomb->history() && coulomb->history()->fresh())) ||
+              p.build_id.size() != (std::size_t)(atom->nlocal + atom->nghost) ||
               !std::equal(p.build_id.begin(), p.build_id.end(), atom->tag);
   double mine[2] = {(double)stale, 0}, all[2];
   if (!stale)
