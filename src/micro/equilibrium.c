@@ -48,7 +48,10 @@ gh_status gh_rve_look_at_contacts(gh_rve *r) {
 
 /* The residual that is good enough: the wanted one, or what round-off of the positions leaves. */
 static double target(const gh_rve *r) {
-  double roundoff = 16 * DBL_EPSILON * r->options.law.normal_stiffness * r->extent;
+  const gh_contact_law *law = &r->options.law;
+  double stiffest = gh_rve_friction(r) ? fmax(law->normal_stiffness, law->tangential_stiffness)
+                                       : law->normal_stiffness,
+         roundoff = 16 * DBL_EPSILON * stiffest * r->extent;
   return r->m.mean_force > 0 ? fmax(r->options.tolerance, roundoff / r->m.mean_force) : r->options.tolerance;
 }
 
