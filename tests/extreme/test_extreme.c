@@ -1,12 +1,8 @@
 /* RVEs at the edges of what can be asked of them: scales, increments, rotations, sizes, degenerate packings,
  * wild deformations. SPDX-License-Identifier: GPL-2.0-or-later */
-#include "../help.h"
+#include "extreme.h"
 
-#define FOR_ENGINES(e)                                                                                       \
-  for (gh_engine_kind e = GH_ENGINE_LAMMPS; e <= GH_ENGINE_NATIVE; e++)                                      \
-    if (use_engine(e))
-#define FOR_BOUNDARIES(b) for (const gh_boundary *b = all_boundaries; b < all_boundaries + 4; b++)
-
+static const char section[] = "Frictionless";
 static const double I[4] = {1, 0, 0, 1}, squeeze[4] = {0.98, 0.005, 0.002, 0.985};
 
 /* P (and A where wanted) at F after the steps F/n, 2F/n, ... from I. */
@@ -20,19 +16,11 @@ static void walk(gh_context *ctx, gh_rve *rve, const double from[4], const doubl
   }
 }
 
-static gh_packing *scaled(gh_context *ctx, const char *name, double factor) {
-  gh_packing *p = case_packing(ctx, name);
-  for (int i = 0; i < p->n; i++) p->radius[i] *= factor;
-  for (int i = 0; i < 2 * p->n; i++) p->x[i] *= factor;
-  for (int k = 0; k < 4; k++) p->cell[k] *= factor;
-  for (int k = 0; k < 2; k++) p->low[k] *= factor;
-  return p;
-}
-
 /* Stress and tangent grow with the stiffness, from 1e-6 to 1e14, and with nothing else. */
 static void stiffness_scales(void **state) {
   static const double stiffness[] = {1, 1e-6, 1e3, 1e14};
   gh_context *ctx = *state;
+  double worst = 0;
   gh_packing *p = case_packing(ctx, "p50");
   FOR_ENGINES(e) FOR_BOUNDARIES(b) {
     double P[4][4], A[4][16];
@@ -41,37 +29,41 @@ static void stiffness_scales(void **state) {
       walk(ctx, rve, I, squeeze, 3, P[k], A[k]);
       for (int c = 0; c < 4; c++) P[k][c] /= stiffness[k];
       for (int c = 0; c < 16; c++) A[k][c] /= stiffness[k];
-      NEAR("stress", distance(P[k], P[0], 4), 0, 1e-9 * norm(P[0], 4));
-      NEAR("tangent", distance(A[k], A[0], 16), 0, 1e-9 * norm(A[0], 16));
+      WITHIN(&worst, "stress", relative(P[k], P[0], 4), 1e-9);
+      WITHIN(&worst, "tangent", relative(A[k], A[0], 16), 1e-9);
       gh_rve_destroy(&rve);
     }
     assert_true(norm(P[0], 4) > 1e-3);
   }
   gh_packing_destroy(&p);
+  row_error(section, "stiffness E 1e-6 to 1e14", "P/E, A/E as with E = 1", worst, 1e-9);
 }
 
 /* In the plane stress and tangent do not know how large the grains are, from 1e-6 to 1e6. */
 static void length_does_not_matter(void **state) {
   static const double length[] = {1, 1e-6, 1e-3, 1e6};
   gh_context *ctx = *state;
+  double worst = 0;
   FOR_ENGINES(e) FOR_BOUNDARIES(b) {
     double P[4][4], A[4][16];
     for (int k = 0; k < 4; k++) {
       gh_packing *p = scaled(ctx, "p50", length[k]);
       gh_rve *rve = make_rve(ctx, p, e, *b, 1, 1e-11);
       walk(ctx, rve, I, squeeze, 3, P[k], A[k]);
-      NEAR("stress", distance(P[k], P[0], 4), 0, 1e-9 * norm(P[0], 4));
-      NEAR("tangent", distance(A[k], A[0], 16), 0, 1e-9 * norm(A[0], 16));
+      WITHIN(&worst, "stress", relative(P[k], P[0], 4), 1e-9);
+      WITHIN(&worst, "tangent", relative(A[k], A[0], 16), 1e-9);
       gh_rve_destroy(&rve);
       gh_packing_destroy(&p);
     }
   }
+  row_error(section, "lengths 1e-6 to 1e6", "P, A as with 1", worst, 1e-9);
 }
 
 /* A packing ten thousand cells away from the origin is the same packing, up to the round-off of its
  * positions. */
 static void far_from_the_origin(void **state) {
   gh_context *ctx = *state;
+  double worst = 0;
   gh_packing *p = case_packing(ctx, "p50"), *q;
   OK(gh_packing_copy(ctx, p, &q));
   for (int i = 0; i < 2 * p->n; i++) q->x[i] += 1e4;
@@ -81,17 +73,19 @@ static void far_from_the_origin(void **state) {
     gh_rve *near = make_rve(ctx, p, e, *b, 1, 1e-10), *far = make_rve(ctx, q, e, *b, 1, 1e-10);
     walk(ctx, near, I, squeeze, 2, P, NULL);
     walk(ctx, far, I, squeeze, 2, Q, NULL);
-    NEAR("stress", distance(P, Q, 4), 0, 1e-7 * norm(P, 4));
+    WITHIN(&worst, "stress", relative(Q, P, 4), 1e-7);
     gh_rve_destroy(&near);
     gh_rve_destroy(&far);
   }
   gh_packing_destroy(&p);
   gh_packing_destroy(&q);
+  row_error(section, "a packing 1e4 cells from the origin", "P at the origin", worst, 1e-7);
 }
 
 /* Increments from 1e-10 to a thousandth change the stress by A : dF, up to second order and round-off. */
 static void tiny_increments(void **state) {
   gh_context *ctx = *state;
+  double worst = 0;
   gh_packing *p = case_packing(ctx, "p50");
   FOR_ENGINES(e) FOR_BOUNDARIES(b) {
     double P0[4], P[4], A[16], F[4];
@@ -101,17 +95,20 @@ static void tiny_increments(void **state) {
       memcpy(F, squeeze, sizeof F);
       F[0] -= d;
       OK(gh_rve_evaluate(rve, F, 0, P, NULL));
-      for (int c = 0; c < 4; c++) NEAR("dP", P[c] - P0[c], -d * A[4 * c], (1e-3 * d + 4e-13) * norm(A, 16));
+      for (int c = 0; c < 4; c++)
+        WITHIN(&worst, "dP", fabs(P[c] - P0[c] + d * A[4 * c]) / (norm(A, 16) * (d + 4e-10)), 1e-3);
     }
     gh_rve_destroy(&rve);
   }
   gh_packing_destroy(&p);
+  row_error(section, "increments of 1e-10 to 1e-7", "dP = A : dF; relative to dF + 4e-10", worst, 1e-3);
 }
 
 /* Compression by up to a fifth at once: both engines find the same equilibrium with pressure, and the next
  * 1e-4 are no harder. */
 static void large_increments(void **state) {
   gh_context *ctx = *state;
+  double worst = 0;
   gh_packing *p = case_packing(ctx, "p50");
   for (int b = 2; b < 4; b++)
     for (double d = 0.01; d < 0.21; d += 0.0475) {
@@ -123,12 +120,14 @@ static void large_increments(void **state) {
         OK(gh_rve_evaluate(rve, last, 0, P[e], NULL));
         const gh_rve_measures *m = gh_rve_measure(rve);
         assert_true(m->cauchy[0] < 0 && m->cauchy[3] < 0);
-        NEAR("symmetry", m->cauchy[1], m->cauchy[2], 1e-9 * norm(m->cauchy, 4));
+        WITHIN(&worst, "symmetry", fabs(m->cauchy[1] - m->cauchy[2]) / norm(m->cauchy, 4), 1e-9);
         gh_rve_destroy(&rve);
       }
-      if (use_engine(0) && use_engine(1)) NEAR("engines", distance(P[0], P[1], 4), 0, 1e-8 * norm(P[0], 4));
+      if (use_engine(0) && use_engine(1)) WITHIN(&worst, "engines", relative(P[0], P[1], 4), 1e-8);
     }
   gh_packing_destroy(&p);
+  row_error(section, "one increment of 1 to 20 % from rest, then 1e-4",
+            "engines agree, symmetric Cauchy stress", worst, 1e-8);
 }
 
 /* Shear to 2 in steps of a hundredth, in which LAMMPS's cell changes its lattice vectors four times: both
@@ -136,6 +135,7 @@ static void large_increments(void **state) {
 static void shear_to_two(void **state) {
   enum { STEPS = 200 };
   gh_context *ctx = *state;
+  double worst = 0;
   gh_packing *p = case_packing(ctx, "p20");
   if (!use_engine(0) || !use_engine(1)) skip();
   for (int b = 0; b < 4; b++) {
@@ -147,19 +147,21 @@ static void shear_to_two(void **state) {
         OK(gh_rve_evaluate(rve[e], F, GH_WANT_TANGENT, P[e], A[e]));
         OK(gh_rve_commit(rve[e]));
       }
-      NEAR("stress", distance(P[0], P[1], 4), 0, 1e-8 * norm(P[1], 4));
-      NEAR("tangent", distance(A[0], A[1], 16), 0, 1e-8 * norm(A[1], 16));
+      WITHIN(&worst, "stress", relative(P[0], P[1], 4), 1e-8);
+      WITHIN(&worst, "tangent", relative(A[0], A[1], 16), 1e-8);
     }
     gh_rve_destroy(&rve[0]);
     gh_rve_destroy(&rve[1]);
   }
   gh_packing_destroy(&p);
+  row_error(section, "shear to 2 in 200 increments", "engines agree, P and A", worst, 1e-8);
 }
 
 /* Turned twice around its centre, in steps of 15 degrees, a packing turns its stress along: P(QF) = Q P(F).
  */
 static void two_turns(void **state) {
   gh_context *ctx = *state;
+  double worst = 0;
   gh_packing *p = case_packing(ctx, "p50");
   FOR_ENGINES(e) FOR_BOUNDARIES(b) {
     double P0[4], P[4], Q[4], F[4], turned[4];
@@ -171,11 +173,12 @@ static void two_turns(void **state) {
       gh_mul2(Q, P0, turned);
       OK(gh_rve_evaluate(rve, F, 0, P, NULL));
       OK(gh_rve_commit(rve));
-      NEAR("stress", distance(P, turned, 4), 0, 1e-10 * norm(P0, 4));
+      WITHIN(&worst, "stress", distance(P, turned, 4) / norm(P0, 4), 1e-10);
     }
     gh_rve_destroy(&rve);
   }
   gh_packing_destroy(&p);
+  row_error(section, "rotation by 720 degrees in steps of 15", "P(Q F) = Q P(F)", worst, 1e-10);
 }
 
 /* Pulled apart until no contact is left a packing carries nothing, and pressed together again it pushes
@@ -183,6 +186,7 @@ static void two_turns(void **state) {
 static void apart_and_together(void **state) {
   static const double apart[4] = {1.6, 0.1, 0, 1.5};
   gh_context *ctx = *state;
+  double worst = 0;
   gh_packing *p = case_packing(ctx, "p50");
   FOR_ENGINES(e) FOR_BOUNDARIES(b) {
     double P[4], A[16], direct[4];
@@ -193,11 +197,13 @@ static void apart_and_together(void **state) {
     walk(ctx, rve, apart, squeeze, 10, P, A);
     assert_true(P[0] < 0 && P[3] < 0 && A[0] > 0 && A[15] > 0);
     OK(gh_rve_evaluate(other, squeeze, 0, direct, NULL));
-    if (b < all_boundaries + 2) NEAR("stress", distance(P, direct, 4), 0, 1e-13);
+    if (b < all_boundaries + 2) WITHIN(&worst, "stress", relative(P, direct, 4), 1e-11);
     gh_rve_destroy(&rve);
     gh_rve_destroy(&other);
   }
   gh_packing_destroy(&p);
+  row_error(section, "until no contact is left and back", "P = 0, A = 0 when apart; Taylor: P as without",
+            worst, 1e-11);
 }
 
 /* The square lattice, told with one to four grains in a cell, has the stress of two contacts: P11 = -E (2r -
@@ -206,6 +212,7 @@ static void one_to_four_grains(void **state) {
   static const int across[5] = {0, 1, 2, 3, 2};
   const double F[4] = {0.99, 0, 0, 0.985}, r = 0.502;
   gh_context *ctx = *state;
+  double worst = 0;
   for (int n = 1; n <= 4; n++) {
     double x[8], radius[4], cell[4] = {across[n], 0, 0, n / across[n]};
     for (int i = 0; i < n; i++) {
@@ -213,24 +220,25 @@ static void one_to_four_grains(void **state) {
       x[2 * i] = 0.3 + i % across[n], x[2 * i + 1] = 0.1 + i / across[n];
     }
     gh_packing *p = make_packing(ctx, n, cell, radius, x);
+    const double wanted[4] = {-10 * (2 * r - F[0]), 0, 0, -10 * (2 * r - F[3])};
     FOR_ENGINES(e) for (int b = 1; b < 4; b += 2) {
       double P[4];
       gh_rve *rve = make_rve(ctx, p, e, all_boundaries[b], 10, 1e-11);
       OK(gh_rve_evaluate(rve, F, 0, P, NULL));
-      NEAR("P11", P[0], -10 * (2 * r - F[0]), 1e-13);
-      NEAR("P22", P[3], -10 * (2 * r - F[3]), 1e-13);
-      NEAR("shear", fmax(fabs(P[1]), fabs(P[2])), 0, 1e-13);
+      WITHIN(&worst, "stress", relative(P, wanted, 4), 1e-12);
       assert_int_equal(gh_rve_measure(rve)->contacts, 2 * n);
       gh_rve_destroy(&rve);
     }
     gh_packing_destroy(&p);
   }
+  row_error(section, "1, 2, 3, 4 grains (square lattice)", "closed form", worst, 1e-12);
 }
 
 /* Few grains pressed far into each other and through their own images: equilibrium is found all the same, no
  * grain leaves by more than a cell, and both engines find the same. */
 static void deep_overlaps_relax(void **state) {
   gh_context *ctx = *state;
+  double worst = 0;
   unsigned long long seed = 7;
   print_message("seed %llu\n", seed);
   for (int trial = 0; trial < 300; trial++) {
@@ -254,9 +262,11 @@ static void deep_overlaps_relax(void **state) {
       gh_rve_destroy(&rve);
     }
     if (use_engine(0) && use_engine(1))
-      NEAR("engines", distance(P[0], P[1], 4), 0, 1e-5 * (norm(P[0], 4) + 1e-3));
+      WITHIN(&worst, "engines", distance(P[0], P[1], 4) / (norm(P[0], 4) + 1e-3), 1e-5);
     gh_packing_destroy(&p);
   }
+  row_error(section, "300 heaps of 2 to 4 grains, pressed into each other by 20 to 50 %", "engines agree",
+            worst, 1e-5);
 }
 
 static gh_packing *replicated(gh_context *ctx, const gh_packing *p, int nx, int ny) {
@@ -282,6 +292,7 @@ static gh_packing *replicated(gh_context *ctx, const gh_packing *p, int nx, int 
  * 2 % it is stable; near its first contacts a mode longer than the small cell would break the repetition.) */
 static void two_thousand_grains(void **state) {
   gh_context *ctx = *state;
+  double worst = 0;
   gh_packing *p = case_packing(ctx, "p150"), *q = replicated(ctx, p, 7, 2);
   assert_int_equal(q->n, 2100);
   FOR_ENGINES(e) for (int b = 1; b < 4; b += 2) {
@@ -291,39 +302,264 @@ static void two_thousand_grains(void **state) {
     walk(ctx, one, I, squeeze, 2, P, A);
     walk(ctx, many, I, squeeze, 2, Q, B);
     assert_false(gh_rve_measure(many)->regularised);
-    NEAR("stress", distance(P, Q, 4), 0, 1e-8 * norm(P, 4));
-    NEAR("tangent", distance(A, B, 16), 0, 1e-7 * norm(A, 16));
+    WITHIN(&worst, "stress", relative(Q, P, 4), 1e-8);
+    WITHIN(&worst, "tangent", relative(B, A, 16), 1e-7);
     gh_rve_destroy(&one);
     gh_rve_destroy(&many);
   }
   gh_packing_destroy(&p);
   gh_packing_destroy(&q);
+  row_error(section, "2,100 grains: one of 150 repeated", "P, A of the 150", worst, 1e-7);
 }
 
-/* A square lattice with forty grains of a thirty-second of the size in its pore: they are pushed out of each
- * other's way and carry nothing, and the stress is that of the lattice. */
-static void one_to_thirty_two(void **state) {
+/* A square lattice with forty grains of a thirty-second and a hundredth of the size in its pore: they are
+ * pushed out of each other's way and carry nothing, and the stress is that of the lattice. */
+static void small_grains_in_a_pore(void **state) {
   enum { SMALL = 40 };
   gh_context *ctx = *state;
   unsigned long long seed = 32;
-  print_message("seed %llu\n", seed);
-  double x[2 * SMALL + 2] = {0, 0}, radius[SMALL + 1] = {0.505}, P[4];
-  for (int i = 1; i <= SMALL; i++) {
-    radius[i] = radius[0] / 32;
-    x[2 * i] = 0.43 + 0.14 * uniform(&seed), x[2 * i + 1] = 0.43 + 0.14 * uniform(&seed);
-  }
-  gh_packing *p = make_packing(ctx, SMALL + 1, I, radius, x);
-  p->type[0] = 2;
   const double F[4] = {0.99, 0, 0, 1};
+  double worst = 0;
+  print_message("seed %llu\n", seed);
+  for (int ratio = 32; ratio <= 100; ratio += 68) {
+    double x[2 * SMALL + 2] = {0, 0}, radius[SMALL + 1] = {0.505}, P[4], wide = 4.48 / ratio;
+    for (int i = 1; i <= SMALL; i++) {
+      radius[i] = radius[0] / ratio;
+      for (int k = 0; k < 2; k++) x[2 * i + k] = 0.5 + wide * (uniform(&seed) - 0.5);
+    }
+    const double wanted[4] = {-(2 * radius[0] - 0.99), 0, 0, -(2 * radius[0] - 1)};
+    gh_packing *p = make_packing(ctx, SMALL + 1, I, radius, x);
+    p->type[0] = 2;
+    FOR_ENGINES(e) {
+      gh_rve *rve = make_rve(ctx, p, e, GH_PERIODIC, 1, 1e-10);
+      OK(gh_rve_evaluate(rve, F, 0, P, NULL));
+      WITHIN(&worst, "stress", relative(P, wanted, 4), 1e-7);
+      assert_int_equal(gh_rve_measure(rve)->rattlers, SMALL);
+      gh_rve_destroy(&rve);
+    }
+    gh_packing_destroy(&p);
+  }
+  row_error(section, "size ratios 1:32 and 1:100: grains in the pore of a lattice",
+            "the lattice's stress; the small ones are rattlers", worst, 1e-7);
+}
+
+/* Taylor on the cell, summed over all pairs and images in the plainest way. */
+static void sum_of_pairs(const gh_packing *p, const double F[4], double E, double P[4]) {
+  double inverse[4], V = gh_det2(p->cell);
+  gh_inv2(F, inverse);
+  memset(P, 0, 4 * sizeof *P);
+  for (int i = 0; i < p->n; i++)
+    for (int j = 0; j < p->n; j++)
+      for (int k = 0; k < 49; k++) {
+        double a = k % 7 - 3, b = k / 7 - 3, L[2], l[2];
+        for (int c = 0; c < 2; c++)
+          L[c] = p->x[2 * j + c] - p->x[2 * i + c] + p->cell[2 * c] * a + p->cell[2 * c + 1] * b;
+        gh_apply2(F, L, l);
+        double d = hypot(l[0], l[1]), overlap = p->radius[i] + p->radius[j] - d;
+        if (overlap < 0 || d == 0) continue;
+        for (int c = 0; c < 4; c++)
+          P[c] -= E * overlap * l[c / 2] / d * L[c % 2] / V / 2; /* each pair twice */
+      }
+}
+
+/* A large grain among hundreds of a hundredth of its size, which it touches. */
+static void one_to_a_hundred(void **state) {
+  enum { N = 300 };
+  gh_context *ctx = *state;
+  unsigned long long seed = 100;
+  const double F[4] = {0.97, 0.01, 0, 0.98};
+  double worst = 0, x[2 * N] = {0.5, 0.5}, radius[N] = {0.3}, P[4], wanted[4];
+  print_message("seed %llu\n", seed);
+  for (int i = 1; i < N; i++) {
+    double angle = 2 * help_pi * uniform(&seed), far = i % 2 ? 0.3025 : 0.31 + 0.15 * uniform(&seed);
+    radius[i] = 0.003;
+    x[2 * i] = 0.5 + far * cos(angle), x[2 * i + 1] = 0.5 + far * sin(angle);
+  }
+  gh_packing *p = make_packing(ctx, N, I, radius, x);
+  p->type[0] = 2;
+  sum_of_pairs(p, F, 1, wanted);
   FOR_ENGINES(e) {
-    gh_rve *rve = make_rve(ctx, p, e, GH_PERIODIC, 1, 1e-10);
+    gh_rve *rve = make_rve(ctx, p, e, GH_TAYLOR_CELL, 1, 1e-10);
     OK(gh_rve_evaluate(rve, F, 0, P, NULL));
-    NEAR("P11", P[0], -(2 * radius[0] - 0.99), 1e-9);
-    NEAR("P22", P[3], -(2 * radius[0] - 1), 1e-9);
-    assert_int_equal(gh_rve_measure(rve)->rattlers, SMALL);
+    WITHIN(&worst, "stress", relative(P, wanted, 4), 1e-12);
+    assert_true(gh_rve_measure(rve)->contacts > N / 2);
     gh_rve_destroy(&rve);
   }
+  row_error(section, "size ratio 1:100: 299 grains around one, Taylor", "plain sum over all pairs", worst,
+            1e-12);
   gh_packing_destroy(&p);
+}
+
+/* Pressed to half the area in steps of a hundredth: half of each grain lies in others. */
+static void half_the_area(void **state) {
+  enum { STEPS = 30 };
+  gh_context *ctx = *state;
+  gh_packing *p = case_packing(ctx, "p50");
+  double worst = 0, sum = 0, P[2][4], wanted[4];
+  FOR_BOUNDARIES(b) {
+    gh_rve *rve[2] = {make_rve(ctx, p, 0, *b, 1, 1e-11), make_rve(ctx, p, 1, *b, 1, 1e-11)};
+    for (int k = 1; k <= STEPS; k++) {
+      double s = 1 + (sqrt(0.5) - 1) * k / STEPS, F[4] = {s, 0, 0, s};
+      FOR_ENGINES(e) {
+        walk(ctx, rve[e], F, F, 1, P[e], NULL);
+        assert_true(P[e][0] < 0 && P[e][3] < 0);
+        if (*b != GH_TAYLOR_CELL) continue;
+        sum_of_pairs(p, F, 1, wanted);
+        WITHIN(&sum, "sum", relative(P[e], wanted, 4), 1e-12);
+      }
+      if (use_engine(0) && use_engine(1)) WITHIN(&worst, "engines", relative(P[0], P[1], 4), 1e-7);
+    }
+    gh_rve_destroy(&rve[0]);
+    gh_rve_destroy(&rve[1]);
+  }
+  row_error(section, "compression to J = 0.5", "engines agree", worst, 1e-7);
+  row_error(section, "the same, Taylor on the cell", "plain sum over all pairs", sum, 1e-12);
+  gh_packing_destroy(&p);
+}
+
+/* Overlaps of 1e-10 to 0.2 of the radius in the square lattice: P = -2 E e / cell. Round-off of a length
+ * leaves eps r / e. */
+static void lattice_overlaps(void **state) {
+  const double x[2] = {0.3, 0.4}, E = 3;
+  gh_context *ctx = *state;
+  double worst = 0, P[4];
+  for (double e = 1e-10; e < 0.3; e = e < 0.05 ? 10 * e : 2 * e) {
+    double radius[1] = {0.5 * (1 + e)}, overlap = 2 * radius[0] - 1;
+    gh_packing *p = make_packing(ctx, 1, I, radius, x);
+    const double wanted[4] = {-E * overlap, 0, 0, -E * overlap};
+    FOR_ENGINES(k) for (int b = 1; b < 4; b += 2) {
+      gh_rve *rve = make_rve(ctx, p, k, all_boundaries[b], E, 1e-10);
+      OK(gh_rve_evaluate(rve, I, 0, P, NULL));
+      assert_false(gh_rve_measure(rve)->unjammed);
+      WITHIN(&worst, "stress", relative(P, wanted, 4) / (1 + 1e-3 / e), 1e-12);
+      gh_rve_destroy(&rve);
+    }
+    gh_packing_destroy(&p);
+  }
+  row_error(section, "overlap 1e-10 to 20 % of the radius, lattice",
+            "closed form; relative to 1 + 1e-3/overlap", worst, 1e-12);
+}
+
+/* Blown up until the mean overlap is 1e-10 of the radius, a tenth of it at a time. */
+static void vanishing_overlaps(void **state) {
+  gh_context *ctx = *state;
+  gh_packing *p = case_packing(ctx, "p50");
+  double r = gh_packing_mean_radius(p), worst = 0;
+  FOR_ENGINES(e) for (int b = 2; b < 4; b++) {
+    gh_rve *rve = make_rve(ctx, p, e, all_boundaries[b], 1, 1e-10);
+    const gh_rve_measures *m = gh_rve_measure(rve);
+    double s = 0.98, P[4], edge[4], F[4] = {s, 0, 0, s}, overlap, step = 1e-2;
+    OK(gh_rve_evaluate(rve, F, 0, P, NULL));
+    OK(gh_rve_commit(rve));
+    overlap = m->mean_force / r;
+    int tries = 0;
+    while (overlap > 1e-10 && ++tries < 400) {
+      F[0] = F[3] = s + step;
+      gh_status st = gh_rve_evaluate(rve, F, 0, P, NULL);
+      if (st != GH_OK) {
+        print_message("%s\n", gh_message(ctx));
+        step /= 2;
+        continue;
+      }
+      double now = m->unjammed ? 0 : m->mean_force / r;
+      if (now < 0.05 * overlap) {
+        step /= 2;
+        continue;
+      }
+      s += step;
+      OK(gh_rve_boundary_stress(rve, edge));
+      double w = fmax(relative(edge, P, 4), fabs(m->cauchy[1] - m->cauchy[2]) / norm(m->cauchy, 4));
+      if (now < 0.2 * overlap || now < 1e-10)
+        print_message("%s overlap %g residual %g err %g step %g\n", gh_boundary_name(all_boundaries[b]), now,
+                      m->residual, w, step);
+      if (now > 0.5 * overlap) step *= 1.5;
+      overlap = now;
+      OK(gh_rve_commit(rve));
+    }
+    print_message("tries %d overlap %g\n", tries, overlap);
+    gh_rve_destroy(&rve);
+  }
+  (void)worst;
+  gh_packing_destroy(&p);
+}
+
+/* Pressed and sheared to and fro where no contact opens or closes, the packing comes back to where it was. */
+static void reversals(void **state) {
+  const int cycles = full_size() ? 5000 : 50;
+  const double other[4] = {squeeze[0] - 2e-5, squeeze[1] + 2e-5, squeeze[2], squeeze[3]};
+  gh_context *ctx = *state;
+  gh_packing *p = case_packing(ctx, "p50");
+  double worst = 0, P[4], first[4];
+  FOR_BOUNDARIES(b) {
+    gh_rve *rve = make_rve(ctx, p, GH_ENGINE_NATIVE, *b, 1, 1e-12);
+    walk(ctx, rve, I, squeeze, 4, P, NULL);
+    walk(ctx, rve, squeeze, other, 1, P, NULL);
+    walk(ctx, rve, other, squeeze, 1, first, NULL);
+    for (int k = 1; k < cycles; k++) {
+      walk(ctx, rve, squeeze, other, 1, P, NULL);
+      walk(ctx, rve, other, squeeze, 1, P, NULL);
+      WITHIN(&worst, "stress", relative(P, first, 4), 1e-9);
+    }
+    gh_rve_destroy(&rve);
+  }
+  row_error(section, full_size() ? "1e4 reversals of a strain of 2e-5" : "100 reversals of a strain of 2e-5",
+            "the stress returns", worst, 1e-9);
+  gh_packing_destroy(&p);
+}
+
+/* Pulled apart and pressed together, again and again. */
+static void cyclic_unjamming(void **state) {
+  static const double apart[4] = {1.3, 0.1, 0, 1.25};
+  const int times = full_size() ? 100 : 5;
+  gh_context *ctx = *state;
+  gh_packing *p = case_packing(ctx, "p50");
+  double worst[2] = {0, 0};
+  FOR_ENGINES(e) FOR_BOUNDARIES(b) {
+    double P[4], A[16], first[4];
+    bool relaxes = *b == GH_RESTRICTED || *b == GH_PERIODIC;
+    gh_rve *rve = make_rve(ctx, p, e, *b, 1, 1e-9);
+    walk(ctx, rve, I, apart, 10, P, NULL);
+    for (int k = 0; k < times; k++) {
+      walk(ctx, rve, apart, squeeze, 15, P, A);
+      if (k == 0) memcpy(first, P, sizeof P);
+      WITHIN(&worst[relaxes], "stress", relative(P, first, 4), relaxes ? 0.2 : 1e-12);
+      walk(ctx, rve, squeeze, apart, 10, P, A);
+      assert_true(norm(P, 4) == 0 && norm(A, 16) == 0 && gh_rve_measure(rve)->unjammed);
+    }
+    gh_rve_destroy(&rve);
+  }
+  row_error(section, "cyclic unjamming, Taylor", "the same stress each time", worst[0], 1e-12);
+  row(section, "cyclic unjamming, restricted and periodic", "P = 0, A = 0 when apart; pressing when together",
+      "converged; stresses differ by up to %.0e, as grains come together in other places", worst[1]);
+  gh_packing_destroy(&p);
+}
+
+/* 50,000 grains: a packing of 50 repeated a thousand times, Taylor and periodic. */
+static void fifty_thousand_grains(void **state) {
+  gh_context *ctx = *state;
+  if (!full_size()) skip();
+  gh_packing *p = case_packing(ctx, "p50"), *q = replicated(ctx, p, 40, 25);
+  double worst = 0, seconds = 0;
+  assert_int_equal(q->n, 50000);
+  FOR_ENGINES(e) for (int b = 1; b < 4; b += 2) {
+    double P[4], Q[4], A[16], B[16];
+    gh_rve *one = make_rve(ctx, p, e, all_boundaries[b], 1, 1e-10),
+           *many = make_rve(ctx, q, e, all_boundaries[b], 1, 1e-10);
+    walk(ctx, one, I, squeeze, 1, P, A);
+    walk(ctx, many, I, squeeze, 1, Q, B);
+    seconds = fmax(seconds, gh_rve_measure(many)->seconds);
+    print_message("%s %s %g %g, regularised %d steps %ld %g s\n", engine_names[e],
+                  gh_boundary_name(all_boundaries[b]), relative(Q, P, 4), relative(B, A, 16),
+                  gh_rve_measure(many)->regularised, gh_rve_measure(many)->steps,
+                  gh_rve_measure(many)->seconds);
+    WITHIN(&worst, "stress", relative(Q, P, 4), 1e-6);
+    gh_rve_destroy(&one);
+    gh_rve_destroy(&many);
+  }
+  row_error(section, "50,000 grains: 50 repeated a thousand times, increment of 2 %", "P of the 50", worst,
+            1e-6);
+  gh_packing_destroy(&p);
+  gh_packing_destroy(&q);
 }
 
 /* Two grains at one place have no direction to push: a message, in both engines and under all conditions. */
@@ -340,11 +576,13 @@ static void grains_at_one_place(void **state) {
     gh_rve_destroy(&rve);
   }
   gh_packing_destroy(&p);
+  row(section, "two grains at one place", "message, exit status 1", "refused: grains coincide");
 }
 
 /* Another cell of the same lattice, tilted up to three times its width, is the same periodic packing. */
 static void strongly_tilted_cells(void **state) {
   gh_context *ctx = *state;
+  double worst = 0;
   gh_packing *p = case_packing(ctx, "p50"), *q;
   for (int tilt = -3; tilt <= 3; tilt += 2) {
     OK(gh_packing_copy(ctx, p, &q));
@@ -355,8 +593,8 @@ static void strongly_tilted_cells(void **state) {
       walk(ctx, plain, I, squeeze, 2, P, A);
       walk(ctx, tilted, I, squeeze, 2, Q, B);
       if (*b == GH_TAYLOR_CELL || *b == GH_PERIODIC) {
-        NEAR("stress", distance(P, Q, 4), 0, 1e-9 * norm(P, 4));
-        NEAR("tangent", distance(A, B, 16), 0, 1e-8 * norm(A, 16));
+        WITHIN(&worst, "stress", relative(Q, P, 4), 1e-9);
+        WITHIN(&worst, "tangent", relative(B, A, 16), 1e-8);
       } else { /* other grains are at the boundary of the other cell */
         assert_true(Q[0] < 0 && Q[3] < 0 && gh_finite(Q, 4) && gh_finite(B, 16));
       }
@@ -366,6 +604,8 @@ static void strongly_tilted_cells(void **state) {
     gh_packing_destroy(&q);
   }
   gh_packing_destroy(&p);
+  row_error(section, "cells tilted by up to three times their width", "P, A of the upright cell", worst,
+            1e-8);
 }
 
 /* A packing of rattlers only: grains that touch nothing carry nothing, and pairs that overlap are pushed
@@ -389,10 +629,11 @@ static void rattlers_only(void **state) {
     }
     gh_packing_destroy(&p);
   }
+  row(section, "a packing of rattlers only", "P = 0, A = 0, reported as unjammed", "converged, exactly");
 }
 
 /* What answers, answers with numbers; what cannot be, has a message that holds its numbers too. */
-static void ask(gh_context *ctx, gh_rve *rve, const double F[4]) {
+static bool ask(gh_context *ctx, gh_rve *rve, const double F[4]) {
   double P[4] = {NAN, NAN, NAN, NAN}, A[16];
   for (int k = 0; k < 16; k++) A[k] = NAN;
   gh_status s = gh_rve_evaluate(rve, F, GH_WANT_TANGENT, P, A);
@@ -401,11 +642,12 @@ static void ask(gh_context *ctx, gh_rve *rve, const double F[4]) {
   if (s != GH_OK) {
     assert_true(s == GH_INPUT || s == GH_DIVERGED);
     assert_true(strlen(gh_message(ctx)) > 10);
-    return;
+    return false;
   }
   bool good = gh_finite(P, 4) && gh_finite(A, 16) && gh_finite(m->cauchy, 4) && isfinite(m->energy) &&
               isfinite(m->residual) && isfinite(m->acoustic) && gh_finite(m->fabric, 3);
   if (!good) fail_msg("F = [%g %g; %g %g]: not finite", F[0], F[1], F[2], F[3]);
+  return true;
 }
 
 /* No deformation, however wild, brings out NaN, costs more than some thousand steps, or ends in anything but
@@ -421,30 +663,50 @@ static void nan_never_comes_out(void **state) {
   gh_context *ctx = *state;
   gh_packing *p = case_packing(ctx, "p20");
   unsigned long long seed = 99;
+  int answered[2] = {0, 0};
   print_message("seed %llu\n", seed);
   FOR_ENGINES(e) FOR_BOUNDARIES(b) {
     gh_rve *rve = make_rve(ctx, p, e, *b, 100, 1e-8);
     double before[4], after[4], F[4];
     OK(gh_rve_evaluate(rve, squeeze, 0, before, NULL));
-    for (size_t k = 0; k < sizeof wild / sizeof *wild; k++) ask(ctx, rve, wild[k]);
+    for (size_t k = 0; k < sizeof wild / sizeof *wild; k++) answered[ask(ctx, rve, wild[k])]++;
     for (int k = 0; k < 60; k++) {
       for (int c = 0; c < 4; c++) F[c] = I[c] + (uniform(&seed) - 0.5) * (k % 4 + 1) / 2;
-      ask(ctx, rve, F);
+      answered[ask(ctx, rve, F)]++;
     }
     OK(gh_rve_evaluate(rve, squeeze, 0, after, NULL));
     assert_memory_equal(before, after, sizeof before);
     gh_rve_destroy(&rve);
   }
   gh_packing_destroy(&p);
+  row(section, "wild deformations: det F from 1e-300 to 1e300, shear to 1e300, NaN",
+      "a finite number or a message; nothing is remembered", "%d answered, %d refused with a reason",
+      answered[1], answered[0]);
 }
 
 int main(void) {
-  const struct CMUnitTest tests[] = {
-      TEST(stiffness_scales),    TEST(length_does_not_matter), TEST(far_from_the_origin),
-      TEST(tiny_increments),     TEST(large_increments),       TEST(shear_to_two),
-      TEST(two_turns),           TEST(apart_and_together),     TEST(one_to_four_grains),
-      TEST(deep_overlaps_relax), TEST(two_thousand_grains),    TEST(one_to_thirty_two),
-      TEST(grains_at_one_place), TEST(strongly_tilted_cells),  TEST(rattlers_only),
-      TEST(nan_never_comes_out)};
+  const struct CMUnitTest tests[] = {TEST(stiffness_scales),
+                                     TEST(length_does_not_matter),
+                                     TEST(far_from_the_origin),
+                                     TEST(lattice_overlaps),
+                                     TEST(vanishing_overlaps),
+                                     TEST(tiny_increments),
+                                     TEST(large_increments),
+                                     TEST(half_the_area),
+                                     TEST(shear_to_two),
+                                     TEST(two_turns),
+                                     TEST(reversals),
+                                     TEST(apart_and_together),
+                                     TEST(cyclic_unjamming),
+                                     TEST(one_to_four_grains),
+                                     TEST(deep_overlaps_relax),
+                                     TEST(two_thousand_grains),
+                                     TEST(fifty_thousand_grains),
+                                     TEST(small_grains_in_a_pore),
+                                     TEST(one_to_a_hundred),
+                                     TEST(grains_at_one_place),
+                                     TEST(strongly_tilted_cells),
+                                     TEST(rattlers_only),
+                                     TEST(nan_never_comes_out)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -451,6 +451,83 @@ static void strongly_tilted_cells(void **state) {
   gh_packing_destroy(&p);
 }
 
+/* Increments from 1e-10 to 1e-7 change the stress by A : dF, from the state of an increment of zero length.
+ */
+static void tiny_increments(void **state) {
+  gh_context *ctx = *state;
+  gh_packing *p = case_packing(ctx, "p50d");
+  double worst = 0;
+  FOR_ENGINES(e) FOR_BOUNDARIES(b) {
+    double P0[4], P[4], A[16], F[4], off[4];
+    gh_rve *rve = open_rve(ctx, p, e, *b, law_of(1, 20, 0));
+    walk(ctx, rve, I, press, 40, P0, NULL);
+    OK(gh_rve_evaluate(rve, press, GH_WANT_TANGENT, P0, A));
+    for (double d = 1e-10; d < 2e-7; d *= 10) {
+      memcpy(F, press, sizeof F);
+      F[0] -= d;
+      OK(gh_rve_evaluate(rve, F, 0, P, NULL));
+      for (int c = 0; c < 4; c++) off[c] = P[c] - P0[c] + d * A[4 * c];
+      WITHIN(&worst, "dP", norm(off, 4) / (norm(A, 16) * (d + 1e-9)), 1e-4);
+    }
+    gh_rve_destroy(&rve);
+  }
+  row_error(section, "increments of 1e-10 to 1e-7", "dP = A : dF; relative to dF + 1e-9", worst, 1e-4);
+  gh_packing_destroy(&p);
+}
+
+/* One compression by up to a fifth. */
+static void large_increments(void **state) {
+  gh_context *ctx = *state;
+  gh_packing *p = case_packing(ctx, "p50d");
+  double worst = 0;
+  int answered = 0, refused = 0;
+  if (!use_engine(0) || !use_engine(1)) skip();
+  FOR_BOUNDARIES(b) for (double d = 0.01; d < 0.21; d += 0.0475) {
+    const double F[4] = {1 - d, d / 3, 0, 1};
+    double P[2][4];
+    gh_status status[2];
+    for (int e = 0; e < 2; e++) {
+      gh_rve *rve = open_rve(ctx, p, e, *b, law_of(1, 20, 0));
+      status[e] = gh_rve_evaluate(rve, F, 0, P[e], NULL);
+      if (status[e] != GH_OK) FAILS(status[e], GH_DIVERGED, "no equilibrium within");
+      else assert_true(gh_rve_measure(rve)->cauchy[0] < 0 && gh_rve_measure(rve)->cauchy[3] < 0);
+      gh_rve_destroy(&rve);
+    }
+    if (status[0] == GH_OK && status[1] == GH_OK) {
+      WITHIN(&worst, "engines", relative(P[0], P[1], 4), 1e-6);
+      answered++;
+    } else refused++;
+  }
+  row(section, "one increment of 1 to 20 % from rest", "engines agree",
+      "%d of %d converged, error %.0e (allowed 1e-06)%s", answered, answered + refused, worst,
+      refused ? "; the others refused: no equilibrium within 50000 relaxation steps" : "");
+  gh_packing_destroy(&p);
+}
+
+/* Grains that touch nothing carry nothing, and pairs that overlap are pushed apart until they carry nothing.
+ */
+static void rattlers_only(void **state) {
+  gh_context *ctx = *state;
+  double cell[4] = {10, 0, 0, 10}, radius[6] = {1, 1, 1, 1, 1, 1},
+         x[12] = {2, 2, 3.9, 2, 5, 7.1, 5, 5.2, 8.1, 4, 8, 8};
+  for (int touching = 0; touching < 2; touching++) {
+    if (!touching) x[2] = 4.1, x[7] = 5.05;
+    else x[2] = 3.9, x[7] = 5.2;
+    gh_packing *p = make_packing(ctx, 6, cell, radius, x);
+    FOR_ENGINES(e) FOR_BOUNDARIES(b) {
+      double P[4], A[16];
+      gh_rve *rve = open_rve(ctx, p, e, *b, law_of(1, 20, 0));
+      OK(gh_rve_evaluate(rve, I, GH_WANT_TANGENT, P, A));
+      bool carries = touching && (*b == GH_TAYLOR || *b == GH_TAYLOR_CELL);
+      if (!carries) assert_true(norm(P, 4) == 0 && norm(A, 16) == 0 && gh_rve_measure(rve)->unjammed);
+      else assert_true(P[0] < 0 && P[3] < 0);
+      gh_rve_destroy(&rve);
+    }
+    gh_packing_destroy(&p);
+  }
+  row(section, "a packing of rattlers only", "P = 0, A = 0, reported as unjammed", "converged, exactly");
+}
+
 /* Deformations that no packing survives: a number or a message, and nothing is remembered. */
 static void nan_never_comes_out(void **state) {
   static const double wild[][4] = {{0.3, 0, 0, 0.3},     {1e-4, 0, 0, 1e-4}, {1e-150, 0, 0, 1e-150},
@@ -500,6 +577,7 @@ int main(void) {
       TEST(hardening),           TEST(friction_angle),         TEST(almost_no_friction),
       TEST(one_grain_sheared),   TEST(one_to_four_grains),     TEST(two_turns),
       TEST(reversals),           TEST(shear_to_two),           TEST(apart_and_together),
-      TEST(grains_at_one_place), TEST(strongly_tilted_cells),  TEST(nan_never_comes_out)};
+      TEST(grains_at_one_place), TEST(strongly_tilted_cells),  TEST(tiny_increments),
+      TEST(large_increments),    TEST(rattlers_only),          TEST(nan_never_comes_out)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
