@@ -187,7 +187,8 @@ struct gh_macro {
   double begin, micro_seconds;
 };
 
-/* F from u, P and A from the farm, internal forces. Catches what is not finite and det F <= 0 (GH_DIVERGED).
+/* F from u, P and A from the farm, internal forces. Catches what is not finite, det F <= 0 and corners of
+ * elements that are turned inside out (GH_DIVERGED).
  */
 gh_status gh_macro_evaluate(gh_macro *m, gh_state *s);
 /* Evaluates u = 0 once. */

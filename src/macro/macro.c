@@ -130,6 +130,22 @@ const char *gh_dof_name(const gh_mesh *mesh, int dof, char text[96]) {
   return text;
 }
 
+/* An element whose corner is turned inside out lies on itself, even where det F > 0 at its four points: a
+ * body of grains that has lost its contacts would be flung there without resistance. */
+static gh_status check_corners(gh_macro *m, const gh_state *s) {
+  for (int e = 0; e < m->mesh->nelements; e++) {
+    double x[4][2];
+    for (int a = 0; a < 4; a++)
+      for (int i = 0; i < 2; i++) {
+        int d = 2 * m->mesh->quad[e][a] + i;
+        x[a][i] = m->mesh->X[d] + s->u[d];
+      }
+    if (!gh_quad_convex((const double(*)[2])x))
+      return gh_fail(m->ctx, GH_DIVERGED, "a corner of element %d is turned inside out", e);
+  }
+  return GH_OK;
+}
+
 /* F of all points; a displacement that is not finite or turns an element inside out is caught here. */
 static gh_status deform(gh_macro *m, gh_state *s) {
   for (int d = 0; d < m->ndof; d++) {
@@ -146,7 +162,7 @@ static gh_status deform(gh_macro *m, gh_state *s) {
       return gh_fail(m->ctx, GH_DIVERGED,
                      "integration point %d of element %d is turned inside out (det F = %g)", p, p / 4, J);
   }
-  return GH_OK;
+  return check_corners(m, s);
 }
 
 static gh_status check_material(gh_macro *m, const gh_state *s) {
