@@ -73,7 +73,7 @@ typedef struct gh_engine_cost {
   double history_seconds; /* of set_seconds: taking the converged state in and finding it for the pairs */
 } gh_engine_cost;
 
-/* GH_INPUT when a parameter is out of its range (granhom/contact.h). */
+/* GH_INPUT when a parameter is out of its range (granhom/contact.h), or E_n outside 1e-100 to 1e100. */
 gh_status gh_contact_law_check(gh_context *ctx, const gh_contact_law *law);
 /* Makes an engine; the setup's arrays are copied. Errors: GH_INPUT (setup out of range), GH_ENGINE (LAMMPS's
  * own message). */

@@ -13,11 +13,18 @@ struct gh_engine {
   double reach, area; /* twice the largest radius; sum of the areas of the grains */
 };
 
+/* Squares of forces must be numbers still, for whatever lengths. */
+static const double least_stiffness = 1e-100, most_stiffness = 1e100;
+
 gh_status gh_contact_law_check(gh_context *ctx, const gh_contact_law *law) {
   double E = law->normal_stiffness, Et = law->tangential_stiffness, mu = law->friction_coefficient,
          h = law->hardening;
   if (!(E > 0) || !isfinite(E))
     return gh_fail(ctx, GH_INPUT, "the normal stiffness must be positive and finite, not %g", E);
+  if (E < least_stiffness || E > most_stiffness)
+    return gh_fail(ctx, GH_INPUT,
+                   "the normal stiffness must lie between %g and %g, but is %g: choose other units",
+                   least_stiffness, most_stiffness, E);
   if (!law->friction) return GH_OK;
   if (!(Et > 0) || !isfinite(Et))
     return gh_fail(ctx, GH_INPUT, "the tangential stiffness must be positive and finite, not %g", Et);

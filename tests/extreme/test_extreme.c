@@ -39,6 +39,21 @@ static void stiffness_scales(void **state) {
   row_error(section, "stiffness E 1e-6 to 1e14", "P/E, A/E as with E = 1", worst, 1e-9);
 }
 
+/* Beyond 1e-100 and 1e100 squares of forces are no numbers. */
+static void stiffness_out_of_range(void **state) {
+  static const double stiffness[] = {1e-101, 1e101, 0, -1, INFINITY, NAN};
+  gh_context *ctx = *state;
+  gh_packing *p = case_packing(ctx, "p20");
+  gh_rve *rve;
+  for (size_t k = 0; k < sizeof stiffness / sizeof *stiffness; k++) {
+    gh_rve_options o = rve_options(GH_ENGINE_NATIVE, GH_PERIODIC, stiffness[k], 1e-8);
+    FAILS(gh_rve_create(ctx, p, &o, &rve), GH_INPUT, "normal stiffness must");
+  }
+  row(section, "stiffness below 1e-100, above 1e100, 0, negative, infinite, NaN", "message, exit status 2",
+      "refused: the normal stiffness must be positive and finite; must lie between 1e-100 and 1e+100");
+  gh_packing_destroy(&p);
+}
+
 /* In the plane stress and tangent do not know how large the grains are, from 1e-6 to 1e6. */
 static void length_does_not_matter(void **state) {
   static const double length[] = {1, 1e-6, 1e-3, 1e6};
@@ -684,6 +699,7 @@ static void nan_never_comes_out(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {TEST(stiffness_scales),
+                                     TEST(stiffness_out_of_range),
                                      TEST(length_does_not_matter),
                                      TEST(far_from_the_origin),
                                      TEST(lattice_overlaps),
