@@ -3,6 +3,7 @@
 #   make demo     installs what is missing, builds, runs a block of sand and draws it
 #   make check    installs what is missing, builds, runs all tests
 #   make bench    times of one RVE update;   make asan / make valgrind   the tests under the checkers
+#   make extreme  the cases of docs/stability.md, the long ones too, and its table
 #   make format   clang-format over all sources
 #   make install   PREFIX=/usr/local DESTDIR=   program, library, headers, granhom.pc, manual page;   make uninstall
 BUILD  ?= build
@@ -94,6 +95,12 @@ verification:
 	@scripts/install-packages.sh check
 	@$(MAKE) --no-print-directory -j$$(nproc) all $(BUILD)/tests/verify/test_rve_cases
 	@scripts/block-study.sh $(BUILD)
+# The table of docs/stability.md: some minutes.
+.PHONY: extreme
+extreme:
+	@scripts/install-packages.sh check
+	@$(MAKE) --no-print-directory -j$$(nproc) all $(patsubst %.c,$(BUILD)/%,$(wildcard tests/extreme/test_*.c))
+	@scripts/extreme.sh $(BUILD)
 bindir := $(PREFIX)/bin
 libdir := $(PREFIX)/lib
 incdir := $(PREFIX)/include

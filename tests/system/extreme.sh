@@ -18,7 +18,7 @@ verdict() {
   local name=$1 status=$2 wanted=$3 words=$4 good=1 outcome
   shift 4
   [ "$status" = "$wanted" ] || good=0
-  [ -z "$words" ] || grep -qE "^granhom: .*$words" log || good=0
+  [ -z "$words" ] || grep -qE "^granhom( rve| run)?: .*$words" log || good=0
   for file in "$@"; do { [ -s "$file" ] && finite "$file"; } || good=0; done
   if [ $good = 1 ]; then echo "ok - $name"; else
     echo "not ok - $name"
@@ -27,7 +27,7 @@ verdict() {
     bad=1
   fi
   outcome="exit status $status"
-  [ -z "$words" ] || outcome="$outcome: $(sed -n 's/^granhom: //p' log | head -n 1 | tr '|' '/' | cut -d ';' -f 1 | cut -c 1-180)"
+  [ -z "$words" ] || outcome="$outcome: $(sed -nE 's/; (residual|largest) .*//; s/^granhom( rve| run)?: //p' log | head -n 1 | tr '|' '/' | cut -c 1-200)"
   row Program "$name" "exit status, message; files hold finite numbers" "$outcome"
 }
 # rve NAME WANTED WORDS ARGUMENTS...: files are looked at where rows were written
