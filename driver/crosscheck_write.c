@@ -53,8 +53,11 @@ static double refined(const cross_job *j, int k, int e, bool change) {
   return k > 0 ? cross_worst(j, level, e, level - 1, e, &row) : NAN;
 }
 
-/* A line per level; from line to line the values fall as (1/2)^order. */
+/* A line per level; from line to line the values fall as (1/2)^order. What the residual may leave has no
+ * order.
+ */
 static void print_refinement(const cross_job *j, bool change) {
+  double rest = 100 * j->rve.tolerance;
   printf("%-6s", "parts");
   for (int e = change ? 0 : 1; e < j->engines; e++) printf(" %10s order", word(j, e));
   printf("\n");
@@ -64,7 +67,7 @@ static void print_refinement(const cross_job *j, bool change) {
       double d = refined(j, k, e, change), before = k ? refined(j, k - 1, e, change) : NAN;
       if (isnan(d)) printf(" %10s", "-");
       else printf(" %10.2e", d);
-      if (d > 0 && before > 0) printf(" %5.2f", log2(before / d));
+      if (d > rest && before > rest) printf(" %5.2f", log2(before / d));
       else printf(" %5s", "");
     }
     printf("\n");
@@ -173,7 +176,7 @@ gh_status cross_write(const cross_job *j) {
 
 /* ---- picture ---- */
 
-static const char colour[CROSS_ENGINES][8] = {"#1b1b1b", "#31688e", "#d1495b", "#35b779"};
+static const char colour[CROSS_ENGINES][8] = {"#1b1b1b", "#31688e", "#cc3311", "#e69f00"};
 static const int point[CROSS_ENGINES] = {7, 4, 6, 8};
 
 /* Data blocks $e: step, the components, the difference of each row. */
@@ -198,23 +201,40 @@ static bool drawn(const cross_job *j, int e) {
   return j->level[0].trace[e].result.rows > 0;
 }
 
+/* The component's name beside the last point of the reference. */
+static void label_components(const cross_job *j, gh_text *t) {
+  const cross_trace *reference = j->level[0].trace;
+  int rows = j->path.csv->nrows, last = 0;
+  for (int row = 0; row < rows; row++)
+    if (find(&j->level[0], 0, row)) last = row;
+  for (int c = 0; c < COMPONENTS; c++)
+    gh_text_print(t, "set label %d 's_{%s}' at first %ld,%.17g offset char 0.8,0\n", c + 1, component_name[c],
+                  path_step(&j->path, last),
+                  reference->rows[j->level[0].path.of_row[last]].cauchy[component[c]]);
+}
+
 static void draw_stresses(const cross_job *j, gh_text *t) {
   const char *comma = "";
+  label_components(j, t);
   gh_text_print(t, "set xlabel 'step'\nset ylabel 'Cauchy stress'\nset key outside right top\nplot ");
   for (int e = 0; e < j->engines; e++)
     for (int c = 0; c < COMPONENTS && drawn(j, e); c++) {
       gh_text_print(t, "%s$e%d using 1:%d with %s lc rgb '%s' ", comma, e, c + 2, e ? "points" : "lines",
                     colour[e]);
       if (e) gh_text_print(t, "pt %d ps %.1f ", point[e], e == 1 ? 1.6 : 1.0);
-      c ? gh_text_print(t, "notitle") : gh_text_print(t, "title '%s'", title(j, e));
+      if (c) gh_text_print(t, "notitle");
+      else gh_text_print(t, "title '%s'", title(j, e));
       comma = ", ";
     }
   gh_text_print(t, "\n");
+  for (int c = 0; c < COMPONENTS; c++) gh_text_print(t, "unset label %d\n", c + 1);
 }
 
 static void draw_differences(const cross_job *j, gh_text *t) {
   const char *comma = "";
-  gh_text_print(t, "set ylabel 'difference to %s'\nset logscale y\nset format y '10^{%%T}'\nplot ",
+  gh_text_print(t,
+                "set key title 'to %s:' left\nset ylabel 'relative difference'\nset logscale y\nset format y "
+                "'10^{%%T}'\nplot ",
                 title(j, 0));
   for (int e = 1; e < j->engines; e++) {
     if (!drawn(j, e)) continue;
@@ -225,13 +245,19 @@ static void draw_differences(const cross_job *j, gh_text *t) {
   gh_text_print(t, "\n");
 }
 
+/* Differences that are no more than what the residual leaves would only stretch the axis. */
+static bool refined_drawn(const cross_job *j, int e) {
+  for (int k = 0; k < j->levels; k++)
+    if (refined(j, k, e, false) > 100 * j->rve.tolerance) return true;
+  return false;
+}
+
 static void draw_refinement(const cross_job *j, gh_text *t) {
   const char *comma = "";
-  int row;
   for (int e = 1; e < j->engines; e++) {
     gh_text_print(t, "$r%d << EOD\n", e);
     for (int k = 0; k < j->levels; k++) {
-      double d = cross_worst(j, j->level + k, e, j->level + k, 0, &row);
+      double d = refined(j, k, e, false);
       if (isfinite(d)) gh_text_print(t, "%d %.17g\n", j->level[k].parts, fmax(d, 1e-16));
     }
     gh_text_print(t, "EOD\n");
@@ -241,12 +267,11 @@ static void draw_refinement(const cross_job *j, gh_text *t) {
                 "set xrange [0.9:%g]\nplot ",
                 1.1 * j->level[j->levels - 1].parts);
   for (int e = 1; e < j->engines; e++) {
-    if (isnan(cross_worst(j, j->level, e, j->level, 0, &row))) continue;
+    if (!refined_drawn(j, e)) continue;
     gh_text_print(t, "%s$r%d using 1:2 with linespoints lc rgb '%s' pt %d title '%s'", comma, e, colour[e],
                   point[e], title(j, e));
     comma = ", ";
   }
-  if (!*comma) gh_text_print(t, "1/0 notitle");
   gh_text_print(t, "\n");
 }
 
@@ -260,7 +285,9 @@ static bool compared(const cross_job *j) {
 gh_status cross_draw(const cross_job *j) {
   if (!compared(j)) return GH_OK;
   gh_text *t;
-  int panels = j->levels > 1 ? 3 : 2;
+  int panels = 2;
+  for (int e = 1; e < j->engines && j->levels > 1; e++)
+    if (refined_drawn(j, e)) panels = 3;
   GH_TRY(gh_text_create(j->ctx, &t));
   write_data(j, t);
   gh_text_print(t, "set multiplot layout %d,1\nset lmargin 12\n", panels);

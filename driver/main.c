@@ -7,7 +7,7 @@
 #include <string.h>
 
 static const cli_command *const commands[] = {&cli_run,  &cli_rve,  &cli_element, &cli_crosscheck,
-                                              &cli_pack, &cli_plot, &cli_lammps};
+                                              &cli_pack, &cli_plot, &cli_report,  &cli_lammps};
 enum { COMMANDS = sizeof commands / sizeof *commands };
 
 static void print_help(FILE *out) {

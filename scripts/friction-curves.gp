@@ -1,6 +1,6 @@
 # Mean stress of the ensemble over the strain for four angles of friction, two experiments side by side. SPDX-License-Identifier: GPL-2.0-or-later
 # gnuplot -e "out='RESULTS'; png='FILE.png'; kind='uniaxial'; left='taylor 1'; right='taylor 2'" friction-curves.gp
-set terminal pngcairo size 1000,800 font "Sans,11"
+set terminal pngcairo size 1000,820 font "Sans,11"
 set output png
 set grid lc rgb "#dddddd" lw 1
 set border 3 lw 1.2
@@ -18,7 +18,7 @@ file(c, a) = sprintf("%s/curve_%s_%s_%s_%d_0.txt", out, kind, condition(c), axis
 # error bars at about ten strains, set apart for each curve
 rows(c) = int(system("wc -l <" . file(c, 1)))
 far(c) = rows(c) / 10
-set multiplot layout 2,2 margins 0.085,0.985,0.075,0.955 spacing 0.1,0.12
+set multiplot layout 2,2 margins 0.1,0.985,0.075,0.955 spacing 0.115,0.12
 set key top left reverse Left samplen 2
 do for [c=1:2] {
   set title title_of(c) offset 0,-0.6

@@ -42,7 +42,7 @@ plot file using (column("step") < 1 ? NaN : -column("footing_fy_footing") / 1e6)
 unset multiplot
 
 # packings: the pictures of granhom plot side by side
-set terminal pngcairo size 2000,1100
+set terminal pngcairo size 1600,880
 set output rves
 set datafile separator
 unset border

@@ -16,12 +16,22 @@ extern "C" {
 
 /* ---- conditions ---- */
 
-/* What can be prescribed: name and meaning. s is the Cauchy stress P F^T / det F, P the Piola stress. */
+/* What can be prescribed. s is the Cauchy stress P F^T / det F, P the Piola stress; volume is det F, pressure
+ * -(s11 + s22)/2. */
 #define GH_QUANTITY_LIST(X)                                                                                  \
   X(F11)                                                                                                     \
   X(F12)                                                                                                     \
-  X(F21) X(F22) X(volume) /* det F: volume over that of the reference cell */                                \
-      X(P11) X(P12) X(P21) X(P22) X(s11) X(s12) X(s22) X(pressure) /* -(s11 + s22)/2 */
+  X(F21)                                                                                                     \
+  X(F22)                                                                                                     \
+  X(volume)                                                                                                  \
+  X(P11)                                                                                                     \
+  X(P12)                                                                                                     \
+  X(P21)                                                                                                     \
+  X(P22)                                                                                                     \
+  X(s11)                                                                                                     \
+  X(s12)                                                                                                     \
+  X(s22)                                                                                                     \
+  X(pressure)
 
 typedef enum gh_quantity {
 #define GH_X(name) GH_QUANTITY_##name,

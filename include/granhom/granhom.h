@@ -11,5 +11,6 @@
 #include "granhom/macro.h"
 #include "granhom/micro.h"
 #include "granhom/packing.h"
+#include "granhom/peers.h"
 #include "granhom/scene.h"
 #endif

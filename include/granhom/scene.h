@@ -71,14 +71,14 @@ typedef struct gh_run_summary {
   double micro_seconds, results_seconds, seconds;
 } gh_run_summary;
 
-/* Runs all steps and writes results.h5, results.xdmf, rves.h5, history.csv, convergence.csv and run.json into
- * `folder`, which is made after the first equilibrium. After each increment all files are whole. GH_INPUT:
- * the scene cannot be run (nothing is written when that shows at the start); GH_DIVERGED: names step and
- * increment; what was complete before is on disk. `summary` may be NULL.
- * checkpoint.h5 is written last, so that all files are complete up to its increment; a run that ends early
- * writes one of the last complete increment. A run that goes on from it writes the same files as one that was
- * never interrupted, seconds apart. GH_INPUT: a checkpoint that is damaged or of another scene, packing, mesh
- * or version. */
+/* Runs all steps and writes results.h5, results.xdmf, points.xdmf, rves.h5, traces.h5, dumps, history.csv,
+ * convergence.csv, timing.csv and run.json into `folder`, which is made after the first equilibrium. After
+ * each increment all files are whole. GH_INPUT: the scene cannot be run (nothing is written when that shows
+ * at the start); GH_DIVERGED: names step and increment; what was complete before is on disk. `summary` may be
+ * NULL. checkpoint.h5 is written last, so that all files are complete up to its increment; a run that ends
+ * early writes one of the last complete increment. A run that goes on from it writes the same files as one
+ * that was never interrupted, seconds apart. GH_INPUT: a checkpoint that is damaged or of another scene,
+ * packing, mesh or version. */
 gh_status gh_scene_run(gh_scene *scene, const char *folder, const gh_run_options *options,
                        gh_run_summary *summary);
 /* The summary in words, a few lines. */
@@ -100,6 +100,15 @@ gh_status gh_picture_convergence(gh_context *ctx, const char *folder, const char
 /* A drawing of the caller's own: commands of gnuplot, after a preamble that sets the terminal and the looks
  * of the others. Needs gnuplot. */
 gh_status gh_picture_script(gh_context *ctx, const char *commands, int width, int height, const char *png);
+
+/* ---- a report ---- */
+
+/* One self-contained HTML page about a folder of results: outcome, curves, fields on the mesh, packings of
+ * npoints integration points (at most 12; npoints 0: the largest von Mises stress, the smallest acoustic
+ * eigenvalue and the first, of the points whose grains are recorded), residuals, times. GH_INPUT: no results,
+ * damaged files, a point that does not exist; nothing is written then. */
+gh_status gh_report_write(gh_context *ctx, const char *folder, const int *points, int npoints,
+                          const char *html);
 
 #ifdef __cplusplus
 }

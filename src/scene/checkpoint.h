@@ -25,7 +25,7 @@ typedef struct scene_text {
   const char *name;
   gh_text *text;
 } scene_text;
-enum { SCENE_TEXTS = 4 };
+enum { SCENE_TEXTS = 5 };
 void scene_results_texts(const scene_results *r, scene_text list[SCENE_TEXTS]);
 /* results.c: the folder is that of a run with `frames` complete increments; what came behind them is removed.
  */

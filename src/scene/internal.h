@@ -93,6 +93,8 @@ struct gh_scene {
   scene_step *steps;
   int nrves; /* material points to record; -1: all, -2: all if they are few */
   int *rves;
+  int ndumps, *dumps; /* material points to dump; -1: all */
+  int dump_every;     /* increments */
   scene_present present;
 };
 
@@ -144,16 +146,19 @@ int scene_results_unjammed(const scene_results *r, double *min_acoustic);
 
 /* measures.c: what is derived from stresses */
 double scene_mises(const double cauchy[4]);
+/* Which corner of element e the Gauss point at x belongs to. */
+int scene_gauss_corner(const gh_mesh *mesh, int e, const double x[2]);
+/* points: npoints x cols. nodes: nnodes x cols, extrapolated to the corners of the elements and averaged over
+ * the elements. */
+gh_status scene_nodal_average(gh_context *ctx, const gh_mesh *mesh, int cols, const double *points,
+                              double *nodes);
 /* cauchy: npoints x 4. nodes: nnodes, from stresses extrapolated to the corners and averaged over the
  * elements. */
 gh_status scene_nodal_mises(gh_context *ctx, const gh_mesh *mesh, const double *cauchy, double *nodes);
 void scene_cell_average(int nelements, int cols, const double *points, double *cells);
 
-/* record.c: run.json; xdmf.c: results.xdmf */
+/* record.c: run.json */
 char *scene_run_json(const gh_scene *scene, const gh_farm *farm, const char *started, const char *status,
                      const char *message, const gh_run_summary *summary);
-void scene_xdmf_begin(gh_text *out);
-void scene_xdmf_step(gh_text *out, const gh_mesh *mesh, const scene_frame *frame);
-void scene_xdmf_end(gh_text *out);
 
 #endif

@@ -288,7 +288,7 @@ static gh_status read_start(gh_scene *s, node root) {
   return GH_OK;
 }
 
-/* ---- solver, output, the whole ---- */
+/* ---- solver, the whole ---- */
 
 static gh_status read_solver(gh_scene *s, node root) {
   node solver = gh_yaml_get(root, "solver"), n;
@@ -306,35 +306,6 @@ static gh_status read_solver(gh_scene *s, node root) {
   GH_TRY(scene_optional_bool(solver, "pass_jumps", &s->solver.pass_jumps));
   GH_TRY(optional_integer(solver, "max_iterations", 1, 10000, &s->solver.max_iterations));
   return optional_integer(solver, "cut_steps", 0, 30, &s->solver.cut_steps);
-}
-
-static gh_status read_output(gh_scene *s, node root) {
-  node output = gh_yaml_get(root, "output"), list;
-  s->nrves = SCENE_FEW_RVES;
-  if (!gh_yaml_has(output)) return GH_OK;
-  GH_TRY(scene_map(output, "output", KEYS("rves")));
-  if (!gh_yaml_has(list = gh_yaml_get(output, "rves"))) return GH_OK;
-  int points = 4 * s->mesh->nelements;
-  if (gh_yaml_is_list(list)) {
-    int count = gh_yaml_length(list);
-    GH_TRY(gh_alloc(s->ctx, (size_t)count, sizeof *s->rves, &s->rves));
-    for (int k = 0; k < count; k++) {
-      long point;
-      GH_TRY(gh_yaml_integer(gh_yaml_item(list, k), "integration point", 0, points - 1, &point));
-      s->rves[k] = (int)point;
-      for (int j = 0; j < k; j++)
-        if (s->rves[j] == s->rves[k])
-          return gh_yaml_fail(gh_yaml_item(list, k), "integration point %ld is given twice", point);
-    }
-    s->nrves = count;
-    return GH_OK;
-  }
-  const char *word;
-  GH_TRY(gh_yaml_text(list, "rves", &word));
-  if (strcmp(word, "all") == 0) s->nrves = SCENE_ALL_RVES;
-  else if (strcmp(word, "none") == 0) s->nrves = 0;
-  else return gh_yaml_fail(list, "rves is '%s', it must be all, none or a list of integration points", word);
-  return GH_OK;
 }
 
 static gh_status read_labels(gh_scene *s, node root) {
@@ -355,7 +326,7 @@ static gh_status read_root(gh_scene *s, node root, const char *folder) {
   node gravity;
   GH_TRY(scene_map(root, "a scene",
                    KEYS("title", "units", "packing", "contact", "micro", "start", "mesh", "supports",
-                        "gravity", "steps", "solver", "output")));
+                        "gravity", "steps", "solver", "results", "output")));
   GH_TRY(read_labels(s, root));
   GH_TRY(read_contact(s, root));
   GH_TRY(read_micro(s, root));
@@ -365,7 +336,7 @@ static gh_status read_root(gh_scene *s, node root, const char *folder) {
   GH_TRY(scene_read_fixes(s, gh_yaml_get(root, "supports"), "supports", "fix", &s->supports, &s->nsupports));
   if (gh_yaml_has(gravity = gh_yaml_get(root, "gravity"))) GH_TRY(scene_pair(gravity, "gravity", s->gravity));
   GH_TRY(scene_read_steps(s, root));
-  GH_TRY(read_output(s, root));
+  GH_TRY(scene_read_results(s, root));
   return scene_read_packings(s, root, folder);
 }
 
@@ -419,6 +390,7 @@ void gh_scene_destroy(gh_scene **scene) {
   free(s->steps);
   free(s->supports);
   free(s->rves);
+  free(s->dumps);
   free(s->path);
   free(s->text);
   free(s->title);

@@ -38,4 +38,8 @@ gh_status scene_read_fixes(gh_scene *s, node list, const char *what, const char 
                            int *count);
 gh_status scene_read_steps(gh_scene *s, node root);
 
+/* ---- read_results.c ---- */
+
+gh_status scene_read_results(gh_scene *s, node root);
+
 #endif

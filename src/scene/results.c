@@ -2,11 +2,12 @@
  * SPDX-License-Identifier: GPL-2.0-or-later
  *
  * results.h5      /mesh and one group per increment, /step0000 (the start) onwards
- * results.xdmf    the same for ParaView
- * rves.h5         grains and contacts of recorded material points at the last increment
- * history.csv, convergence.csv, timing.csv, run.json
- * checkpoint.h5   where the run can go on (checkpoint.c) */
+ * results.xdmf    the same for ParaView; points.xdmf: at the integration points
+ * rves.h5         grains and contacts of recorded material points at the last increment; traces.h5: their
+ * positions at all dumps/          the chosen material points as LAMMPS dumps history.csv, convergence.csv,
+ * timing.csv, run.json checkpoint.h5   where the run can go on (checkpoint.c) */
 #include "scene/checkpoint.h"
+#include "scene/results.h"
 
 #include <errno.h>
 #include <stdlib.h>
@@ -68,30 +69,32 @@ static gh_status write_json(scene_results *r, const char *status_text, const cha
   return status;
 }
 
-static gh_status write_xdmf(scene_results *r, const scene_frame *f) {
+static gh_status write_xdmf(scene_results *r, const gh_text *steps, const char *name) {
   gh_text *whole;
-  scene_xdmf_step(r->xdmf, r->scene->mesh, f);
   GH_TRY(gh_text_create(r->ctx, &whole));
   scene_xdmf_begin(whole);
-  gh_text_print(whole, "%s", gh_text_get(r->xdmf, NULL));
+  gh_text_print(whole, "%s", gh_text_get(steps, NULL));
   scene_xdmf_end(whole);
-  gh_status status = commit_text(r, whole, "results.xdmf");
+  gh_status status = commit_text(r, whole, name);
   gh_text_destroy(&whole);
   return status;
+}
+
+/* A file of a run before, perhaps of another mesh. */
+static gh_status remove_old(scene_results *r, const char *name) {
+  char *path;
+  GH_TRY(scene_result_path(r, name, &path));
+  unlink(path);
+  free(path);
+  return GH_OK;
 }
 
 static gh_status begin(scene_results *r) {
   if (r->begun) return GH_OK;
   GH_TRY(gh_folder_make(r->ctx, r->folder));
   scene_history_header(r);
-  static const char *const old[] = {"rves.h5",
-                                    "checkpoint.h5"}; /* of a run before, perhaps of another mesh */
-  for (size_t k = 0; k < sizeof old / sizeof *old; k++) {
-    char *path;
-    GH_TRY(scene_result_path(r, old[k], &path));
-    unlink(path);
-    free(path);
-  }
+  static const char *const old[] = {"rves.h5", "traces.h5", "checkpoint.h5"};
+  for (size_t k = 0; k < sizeof old / sizeof *old; k++) GH_TRY(remove_old(r, old[k]));
   r->begun = true;
   return write_json(r, "running", NULL, NULL);
 }
@@ -130,7 +133,11 @@ gh_status scene_results_write(scene_results *r, const scene_frame *f) {
   GH_TRY(scene_write_h5(r, f));
   r->frames++;
   GH_TRY(scene_write_rves(r, f));
-  GH_TRY(write_xdmf(r, f));
+  GH_TRY(scene_write_dumps(r, f));
+  scene_xdmf_step(r->xdmf, r->scene->mesh, f);
+  GH_TRY(write_xdmf(r, r->xdmf, "results.xdmf"));
+  scene_xdmf_points(r->points_xdmf, r->scene->mesh, f);
+  GH_TRY(write_xdmf(r, r->points_xdmf, "points.xdmf"));
   scene_history_row(r, f);
   return write_tables(r);
 }
@@ -158,6 +165,7 @@ gh_status scene_results_create(gh_scene *scene, gh_farm *farm, gh_macro *macro, 
   if (status == GH_OK) status = gh_text_create(ctx, &r->convergence);
   if (status == GH_OK) status = gh_text_create(ctx, &r->timing);
   if (status == GH_OK) status = gh_text_create(ctx, &r->xdmf);
+  if (status == GH_OK) status = gh_text_create(ctx, &r->points_xdmf);
   if (status == GH_OK) status = gh_alloc(ctx, 4 * points, sizeof *r->tensor, &r->tensor);
   if (status == GH_OK) status = gh_alloc(ctx, points, sizeof *r->scalar, &r->scalar);
   if (status != GH_OK) {
@@ -175,8 +183,11 @@ gh_status scene_results_create(gh_scene *scene, gh_farm *farm, gh_macro *macro, 
 /* ---- going on from a checkpoint ---- */
 
 void scene_results_texts(const scene_results *r, scene_text list[SCENE_TEXTS]) {
-  const scene_text all[SCENE_TEXTS] = {
-      {"history", r->history}, {"convergence", r->convergence}, {"timing", r->timing}, {"xdmf", r->xdmf}};
+  const scene_text all[SCENE_TEXTS] = {{"history", r->history},
+                                       {"convergence", r->convergence},
+                                       {"timing", r->timing},
+                                       {"xdmf", r->xdmf},
+                                       {"points_xdmf", r->points_xdmf}};
   memcpy(list, all, sizeof all);
 }
 
@@ -219,7 +230,9 @@ void scene_results_destroy(scene_results **results) {
   gh_text_destroy(&r->convergence);
   gh_text_destroy(&r->timing);
   gh_text_destroy(&r->xdmf);
+  gh_text_destroy(&r->points_xdmf);
   free(r->folder);
+  free(r->dump_end);
   free(r->tensor);
   free(r->scalar);
   free(r);

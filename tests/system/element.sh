@@ -113,14 +113,30 @@ cat >first.yaml <<'END'
 steps: [{increments: 5, control: {pressure: 0.2, "F11 - F22": 0, F12: 0}}]
 END
 # --- against the other engine, and against granhom rve along the F that came out ---
-element --control first.yaml -o native.csv 2>/dev/null
-element --control first.yaml --engine lammps -o lammps.csv 2>/dev/null
+element --control first.yaml --friction-angle 20 -o native.csv 2>/dev/null
+element --control first.yaml --friction-angle 20 --engine lammps -o lammps.csv 2>/dev/null
 check "LAMMPS and the native engine agree" awk -F, 'FNR == 1 { next } NR == FNR { for (k = 2; k < 14; k++) a[FNR, k] = $k; next }
   { for (k = 2; k < 14; k++) if (($k - a[FNR, k]) ^ 2 > 1e-14) exit 1; rows++ } END { if (rows != 6) exit 1 }' native.csv lammps.csv
 cut -d, -f1-5 pressure.csv >path.csv
 check "no cuts, no jumps on this path" table pressure.csv 'v("parts") != 1 || v("jumps") { wrong = 1 }'
 "$granhom" rve "$sand" --engine native --normal-stiffness 50 --friction-angle 20 --tolerance 1e-10 --path path.csv -o rve.csv 2>/dev/null
 check "granhom rve along F gives the same stresses and energies" diff <(cut -d, -f1-14 pressure.csv) <(cut -d, -f1-14 rve.csv)
+
+# --- the worked examples; a packing without friction, which rearranges on the way ---
+for test in undrained constant_pressure; do
+  check "scenes/element/$test.yaml" element --control "$root/scenes/element/$test.yaml" --friction-coefficient 0.3 -o scene_$test.csv
+done
+check "the undrained path" table scene_undrained.csv 'n > 10 && abs(v("volume") - J) > 1e-12 { wrong = 1 } { J = v("volume") }
+  n == 70 && v("s12") < 0.05 { wrong = 1 }'
+cat >jump.yaml <<'END'
+steps: [{increments: 1, control: {s11: -0.029, s22: -0.029, s12: 0}}]
+END
+element --control jump.yaml -o jump.csv >said 2>&1
+check "a jump is passed" table jump.csv \
+  'n == 1 && (v("jumps") < 1 || v("mismatch") > 1e-6 || abs(v("s11") + 0.029) > 1e-7) { wrong = 1 }'
+check "and told" grep -q 'passed by servo control, in 1 of 1 increments' said
+element --control jump.yaml --stop-at-jumps -o stopped.csv >said 2>&1
+check "or the test ends there" test $? = 1
 
 # --- states ---
 cat >second.yaml <<'END'

@@ -311,6 +311,51 @@ static void test_cuts(void **state) {
   gh_control_destroy(&c);
 }
 
+/* Triangular lattice of equal disks that just touch; row by row, in a cell of 2 r n x sqrt(3) r n. */
+static gh_packing *lattice(gh_context *ctx, int n, double r) {
+  const double cell[4] = {2 * r * n, 0, 0, sqrt(3) * r * n};
+  double *radius = malloc((size_t)(n * n) * sizeof *radius), *x = malloc(2 * (size_t)(n * n) * sizeof *x);
+  for (int k = 0; k < n * n; k++) {
+    radius[k] = r;
+    x[2 * k] = 2 * r * (k % n) + r * (k / n % 2);
+    x[2 * k + 1] = sqrt(3) * r * (k / n);
+  }
+  gh_packing *p = make_packing(ctx, n * n, cell, radius, x);
+  free(radius);
+  free(x);
+  return p;
+}
+
+/* A point that answers nothing but where it is; and a packing that is pulled, which carries nothing. */
+static void test_given_up(void **state) {
+  gh_context *ctx = *state;
+  static const char *const words[4] = {"s11", "s22", "s12", "F21"};
+  const double target[4] = {-0.3, -0.3, 0, 0}, tension[4] = {1, 1, 0, 0};
+  material stiff = {.mu = 1, .lambda = 1.5, .limit = 1e-12};
+  gh_control_report r;
+  gh_control *c = make_control(ctx, &stiff, 1e-6);
+  FAILS(solve(ctx, c, words, target, &r), GH_DIVERGED, "servo control met 12 failures");
+  assert_int_equal(r.cuts, 6);
+  assert_int_equal(stiff.commits, 1); /* the start */
+  NEAR("F", distance(gh_control_F(c), identity, 4), 0, 0);
+  NEAR("mismatch", r.mismatch, 1, 1e-12);
+  gh_control_destroy(&c);
+
+  if (!use_engine(GH_ENGINE_NATIVE)) return;
+  gh_packing *p = lattice(ctx, 2, 0.5);
+  gh_rve *rve = make_rve(ctx, p, GH_ENGINE_NATIVE, GH_PERIODIC, 100, 1e-10);
+  gh_control_options o = gh_control_defaults();
+  o.stiffness = 100;
+  OK(gh_control_create_rve(ctx, rve, &o, &c));
+  OK(gh_control_start(c, identity));
+  FAILS(solve(ctx, c, words, tension, &r), GH_DIVERGED,
+        "does not come to rest under these conditions: after 1000 steps");
+  NEAR("P", norm(gh_control_P(c), 4), 0, 0);
+  gh_control_destroy(&c);
+  gh_rve_destroy(&rve);
+  gh_packing_destroy(&p);
+}
+
 static bool at_once(void *data) {
   return --*(int *)data < 0;
 }
@@ -345,21 +390,6 @@ static void test_refused(void **state) {
 }
 
 /* ---- packings ---- */
-
-/* Triangular lattice of equal disks that just touch; row by row, in a cell of 2 r n x sqrt(3) r n. */
-static gh_packing *lattice(gh_context *ctx, int n, double r) {
-  const double cell[4] = {2 * r * n, 0, 0, sqrt(3) * r * n};
-  double *radius = malloc((size_t)(n * n) * sizeof *radius), *x = malloc(2 * (size_t)(n * n) * sizeof *x);
-  for (int k = 0; k < n * n; k++) {
-    radius[k] = r;
-    x[2 * k] = 2 * r * (k % n) + r * (k / n % 2);
-    x[2 * k + 1] = sqrt(3) * r * (k / n);
-  }
-  gh_packing *p = make_packing(ctx, n * n, cell, radius, x);
-  free(radius);
-  free(x);
-  return p;
-}
 
 /* P = -sqrt(3) E (1 - c) 1 at F = c 1, so that the pressure p needs c = sqrt(3) E / (sqrt(3) E + p). */
 static void test_lattice(void **state) {
@@ -474,10 +504,10 @@ static void test_same_as_path(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {
-      TEST(test_words),        TEST(test_slopes),    TEST(test_four),    TEST(test_isotropic),
-      TEST(test_biaxial),      TEST(test_isochoric), TEST(test_jump),    TEST(test_stop_at_jump),
-      TEST(test_cuts),         TEST(test_refused),   TEST(test_lattice), TEST(test_energy),
-      TEST(test_same_as_path),
+      TEST(test_words),   TEST(test_slopes),       TEST(test_four),    TEST(test_isotropic),
+      TEST(test_biaxial), TEST(test_isochoric),    TEST(test_jump),    TEST(test_stop_at_jump),
+      TEST(test_cuts),    TEST(test_given_up),     TEST(test_refused), TEST(test_lattice),
+      TEST(test_energy),  TEST(test_same_as_path),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

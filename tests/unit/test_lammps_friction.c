@@ -415,6 +415,27 @@ static void opening(void **state) {
   gh_lmp_close(&lmp);
 }
 
+/* `unfix` takes the history away: contacts begin anew with the next run, and nothing is listed before it. */
+static void history_taken_away(void **state) {
+  gh_context *ctx = *state;
+  void *lmp = two_disks(ctx, "increment manual", "100 80 0.3 20", (double[2]){1.48, 0});
+  int count;
+  double **rows;
+  command(ctx, lmp, "run 0 post no");
+  turn_second(ctx, lmp, 1.48, 0, 0.003);
+  command(ctx, lmp, "run 0 post no");
+  assert_true(fabs(row_of(ctx, lmp)[17]) > 0.1);
+  command(ctx, lmp, "unfix granhom_history");
+  command(ctx, lmp, "reset_timestep 1");
+  FAILS(gh_lmp_local(ctx, lmp, "c", &count, &rows), GH_ENGINE, "use run 0 first");
+  command(ctx, lmp, "run 0 post no");
+  NEAR("f_t", row_of(ctx, lmp)[17], 0, 1e-13);
+  command(ctx, lmp, "pair_style granhom/normal");
+  command(ctx, lmp, "pair_coeff * * 100");
+  FAILS(gh_lmp_command(ctx, lmp, "fix_modify granhom_history commit yes"), GH_ENGINE, "granhom_history");
+  gh_lmp_close(&lmp);
+}
+
 /* What single() says of a contact is what compute() did: LAMMPS's compute pair/local asks it. */
 static void single_contacts(void **state) {
   gh_context *ctx = *state;
@@ -573,6 +594,9 @@ static void wrong_use(void **state) {
       {"compute w second granhom/stress", "wants the group all"},
       {"compute w all granhom/tangent x", "takes no arguments"},
       {"run_style respa 2 2\nrun 0", "does not run with run_style respa"},
+      {"run 0\ngroup first id 1\ndelete_atoms group first compress no\nfix_modify granhom_history commit yes",
+       "use run 0 before commit yes"},
+      {"run 0\nfix_modify granhom_history commit no", "takes commit yes"},
       {"minimize 0 0 1 1", "use fix granhom/relax"},
       {"fix r all granhom/relax inner yes\nrun 1", "requires granhom/coulomb with increment manual"},
       {"fix r all granhom/relax inner maybe", "inner is yes or no, not maybe"},
@@ -613,6 +637,43 @@ static void wrong_simulation(void **state) {
     command(ctx, lmp, "pair_style granhom/coulomb");
     command(ctx, lmp, "pair_coeff * * 100 80 0.3 0");
     FAILS(gh_lmp_command(ctx, lmp, "run 0"), GH_ENGINE, wrong[k][3]);
+    gh_lmp_close(&lmp);
+  }
+}
+
+/* A hybrid may have one of the two pair styles, not both: computes and the relaxation would see half the
+ * contacts. */
+static void hybrids(void **state) {
+  gh_context *ctx = *state;
+  static const char *const lines[] = {"dimension 2",
+                                      "atom_style sphere",
+                                      "newton off",
+                                      "region r block 0 9 0 8 -1 1",
+                                      "create_box 2 r",
+                                      "create_atoms 1 single 1 1 0",
+                                      "create_atoms 2 single 1.95 1 0",
+                                      "neighbor 0.3 bin",
+                                      NULL};
+  for (int both = 0; both < 2; both++) {
+    void *lmp;
+    OK(gh_lmp_open(ctx, &lmp));
+    commands(ctx, lmp, lines);
+    command(ctx, lmp,
+            both ? "pair_style hybrid granhom/coulomb granhom/normal"
+                 : "pair_style hybrid granhom/coulomb zero 2");
+    command(ctx, lmp, both ? "pair_coeff 1 1 granhom/normal 100" : "pair_coeff 1 1 zero");
+    command(ctx, lmp, both ? "pair_coeff 2 2 granhom/normal 100" : "pair_coeff 2 2 zero");
+    command(ctx, lmp, "pair_coeff 1 2 granhom/coulomb 100 80 0.3 0");
+    command(ctx, lmp, "fix h all viscous 0");
+    if (both) {
+      FAILS(gh_lmp_command(ctx, lmp, "compute s all granhom/stress\n"), GH_OK, "");
+      FAILS(gh_lmp_command(ctx, lmp, "run 0"), GH_ENGINE, "requires one of the pair styles");
+    } else {
+      command(ctx, lmp, "compute s all granhom/stress");
+      command(ctx, lmp, "run 0");
+      const double *stress = lammps_extract_compute(lmp, "s", 0, LMP_TYPE_VECTOR);
+      NEAR("stress", stress[0], -100 * 0.05 * 0.95 / 72, 1e-13);
+    }
     gh_lmp_close(&lmp);
   }
 }
@@ -673,11 +734,13 @@ int main(void) {
                                      TEST(increments_by_hand),
                                      TEST(increments_by_time_step),
                                      TEST(opening),
+                                     TEST(history_taken_away),
                                      TEST(single_contacts),
                                      TEST(flips),
                                      TEST(tangents),
                                      TEST(wrong_use),
                                      TEST(wrong_simulation),
+                                     TEST(hybrids),
                                      TEST(restarts)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -36,6 +36,7 @@ FixHistory::FixHistory(LAMMPS *l, int narg, char **arg) : Fix(l, narg, arg) {
 }
 
 FixHistory::~FixHistory() {
+  if (holder) *holder = nullptr;
   atom->delete_callback(id, Atom::GROW);
   atom->delete_callback(id, Atom::RESTART);
 }
@@ -170,7 +171,7 @@ int FixHistory::find(int i, tagint tag, const int k[2]) const {
 }
 
 void FixHistory::begin_trial() {
-  trial = false;
+  trial = moved = false;
   touched.clear();
   owner.clear();
   if (keep_alpha) used.assign(pool.size(), 0);
@@ -211,7 +212,7 @@ void FixHistory::end_trial() {
 }
 
 void FixHistory::commit() {
-  if (!trial) return;
+  if (!trial || moved) return;
   trial = false;
   std::copy(Ht, Ht + 4, Hn);
   std::copy(xt.begin(), xt.end(), xn.begin());
@@ -254,9 +255,11 @@ int FixHistory::modify_param(int narg, char **arg) {
   if (std::strcmp(arg[0], "commit") != 0) return 0;
   if (narg < 2 || std::strcmp(arg[1], "yes") != 0)
     error->all(FLERR, std::string("Illegal fix_modify command: granhom/history takes commit yes"));
-  if (!ghosts_known)
-    error->all(FLERR, std::string("Fix granhom/history: atoms may have moved to other ranks since the forces "
-                                  "were computed; use run 0 before commit yes"));
+  int mine = moved, any;
+  MPI_Allreduce(&mine, &any, 1, MPI_INT, MPI_MAX, world);
+  if (any)
+    error->all(FLERR, std::string("Fix granhom/history: atoms have changed places since the forces were "
+                                  "computed; use run 0 before commit yes"));
   commit();
   return 2;
 }
@@ -265,13 +268,14 @@ int FixHistory::modify_param(int narg, char **arg) {
 
 void FixHistory::grow_arrays(int nmax) {
   const std::size_t n = nmax;
-  for (auto *a : {&xn}) a->resize(2 * n);
+  xn.resize(2 * n);
   for (auto *a : {&theta_n, &theta, &turn}) a->resize(n);
   for (auto *a : {&first, &count, &finger}) a->resize(n);
   steps.resize(2 * n);
 }
 
 void FixHistory::copy_arrays(int i, int j, int) {
+  moved = true;
   std::copy_n(&xn[2 * (std::size_t)i], 2, &xn[2 * (std::size_t)j]);
   theta_n[j] = theta_n[i];
   theta[j] = theta[i];
@@ -281,6 +285,7 @@ void FixHistory::copy_arrays(int i, int j, int) {
 
 /* A new atom is at n where it is now. */
 void FixHistory::set_arrays(int i) {
+  moved = true;
   unwrapped(i, &xn[2 * (std::size_t)i]);
   theta_n[i] = theta[i] = turn[i] = 0;
   first[i] = count[i] = 0;
@@ -337,10 +342,12 @@ int FixHistory::unpack(int i, const double *buf) {
 }
 
 int FixHistory::pack_exchange(int i, double *buf) {
+  moved = true;
   return pack(i, buf);
 }
 
 int FixHistory::unpack_exchange(int nlocal, double *buf) {
+  moved = true;
   return unpack(nlocal, buf);
 }
 

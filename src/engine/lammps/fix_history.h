@@ -54,6 +54,9 @@ public:
 
   /* ---- for the pair style ---- */
 
+  /* The pair style's pointer to this fix, null when the fix goes (unfix); the pair style passes null before
+   * it goes itself. */
+  void held_by(FixHistory **pointer) { holder = pointer; }
   /* each_step: state n is the end of the last time step, else it stays until a commit. turns: rotations
    * follow omega. keep_alpha: contacts that have opened keep alpha (of use with hardening only). */
   void configure(bool each_step, bool turns, bool keep_alpha);
@@ -95,6 +98,7 @@ private:
   enum { RECORD = 6, HEAD = 6 }; /* numbers of a partner, and before the partners of an atom */
 
   bool each_step = true, turns = true, keep_alpha = false, elsewhere = false;
+  FixHistory **holder = nullptr;
   /* state n */
   double Hn[4];
   std::vector<double> xn, theta_n; /* xn, turn and steps: of ghosts too */
@@ -106,6 +110,7 @@ private:
   bool ghosts_known = false, new_ghosts = false;
   /* trial */
   bool trial = false;
+  bool moved = true; /* atoms have come, gone or changed places since forces were computed */
   double Ht[4];
   std::vector<double> xt, theta_t;
   std::vector<int> tfirst, tcount, owner;

@@ -89,7 +89,9 @@ void FixRelax::init() {
     error->all(FLERR, std::string("Fix granhom/relax does not run with run_style respa"));
   pair = PairNormal::in_use(force);
   if (!pair)
-    error->all(FLERR, std::string("Fix granhom/relax requires pair style granhom/normal or granhom/coulomb"));
+    error->all(
+        FLERR,
+        std::string("Fix granhom/relax requires one of the pair styles granhom/normal and granhom/coulomb"));
   coulomb = dynamic_cast<PairCoulomb *>(pair);
   history = coulomb ? coulomb->history() : nullptr;
   turns = coulomb && coulomb->turning();

@@ -159,9 +159,10 @@ static gh_status check_instance(gh_context *ctx, void *lmp) {
     return gh_fail(ctx, GH_ENGINE, "LAMMPS %d is too old: granhom needs %d (29 Sep 2021) or later", version,
                    OLDEST_VERSION);
   if (!lammps_has_style(lmp, "pair", "granhom/normal"))
-    return gh_fail(ctx, GH_ENGINE,
-                   "LAMMPS does not see granhom's styles: liblammps.so comes before granhom in the search order "
-                   "of symbols. Link -lgranhom before -llammps; with libgranhom.a, link with -rdynamic");
+    return gh_fail(
+        ctx, GH_ENGINE,
+        "LAMMPS does not see granhom's styles: liblammps.so comes before granhom in the search order "
+        "of symbols. Link -lgranhom before -llammps; with libgranhom.a, link with -rdynamic");
   return GH_OK;
 }
 

@@ -42,7 +42,9 @@ PairCoulomb::PairCoulomb(LAMMPS *l) : PairNormal(l), extra(EXTRA) {
 }
 
 PairCoulomb::~PairCoulomb() {
-  if (fix && modify) modify->delete_fix(FixHistory::ID);
+  if (!fix) return;
+  fix->held_by(nullptr);
+  modify->delete_fix(FixHistory::ID);
 }
 
 std::size_t PairCoulomb::index(int i, int j) const {
@@ -53,6 +55,8 @@ std::size_t PairCoulomb::index(int i, int j) const {
 
 void PairCoulomb::settings(int narg, char **arg) {
   const std::string illegal = "Illegal pair_style granhom/coulomb command: ";
+  step = true;
+  fixed = objective = false;
   for (int k = 0; k < narg; k += 2) {
     const std::string word = arg[k];
     if (k + 1 >= narg) error->all(FLERR, illegal + "no value for " + word);
@@ -130,6 +134,7 @@ void PairCoulomb::init_style() {
       error->all(FLERR, std::string("Only one pair style granhom/coulomb can be in use"));
     fix = dynamic_cast<FixHistory *>(modify->add_fix(std::string(FixHistory::ID) + " all granhom/history"));
   }
+  fix->held_by(&fix);
   bool hardens = false;
   for (const auto &law : laws) hardens = hardens || law.hardening > 0;
   fix->configure(step, !fixed, hardens);

@@ -78,8 +78,9 @@ void PairNormal::coeff(int narg, char **arg) {
 
 PairNormal *PairNormal::in_use(const Force *force) {
   auto *f = const_cast<Force *>(force);
-  Pair *p = f->pair_match("granhom/normal", 1);
-  return dynamic_cast<PairNormal *>(p ? p : f->pair_match("granhom/coulomb", 1));
+  Pair *normal = f->pair_match("granhom/normal", 1), *coulomb = f->pair_match("granhom/coulomb", 1);
+  if (normal && coulomb) return nullptr;
+  return dynamic_cast<PairNormal *>(normal ? normal : coulomb);
 }
 
 void PairNormal::init_style() {
@@ -131,7 +132,7 @@ void PairNormal::note_build() {
   builds++;
   const double *x = atom->nlocal ? atom->x[0] : nullptr;
   build_x.assign(x, x + 3 * (std::size_t)atom->nlocal);
-  build_id.assign(atom->tag, atom->tag + atom->nlocal);
+  build_id.assign(atom->tag, atom->tag + atom->nlocal + atom->nghost);
   cell_now(build_cell);
 }
 

@@ -29,7 +29,7 @@ public:
   void write_data_all(FILE *fp) override;
   double memory_usage() override;
 
-  /* The pair style of this simulation, normal or coulomb; null: it is another one. */
+  /* The pair style of this simulation, normal or coulomb; null: another one, or both in a hybrid. */
   static PairNormal *in_use(const LAMMPS_NS::Force *force);
   double stiffness(int itype, int jtype) const { return E[itype][jtype]; }
   /* True when all pairs of types have the stiffness that is written to *value. */
@@ -44,7 +44,7 @@ public:
   /* State when the neighbour list was made, for those who must know whether it still holds. */
   long builds = 0;                         /* lists made so far */
   std::vector<double> build_x;             /* 3 per owned atom */
-  std::vector<LAMMPS_NS::tagint> build_id; /* per owned atom */
+  std::vector<LAMMPS_NS::tagint> build_id; /* per atom, ghosts too */
   double build_cell[6] = {};               /* xprd yprd zprd xy xz yz */
   void cell_now(double cell[6]) const;
 

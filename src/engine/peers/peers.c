@@ -7,9 +7,10 @@
 #include <stdarg.h>
 #include <string.h>
 
-/* Damping over sqrt(stiffness mass), and the time step over 1/sqrt(10 E_n + 6 E_t), the reciprocal of the
- * highest frequency that dense packings reach: docs/crosscheck.md. */
-static const double VISCOUS = 0.2, CONTACT = 0.3, TIME_STEP = 1.0;
+/* Damping over sqrt(stiffness mass), and the time step over 1/sqrt(10 E_n + 6 E_t), about the reciprocal of
+ * the highest frequency of dense packings. Measured in docs/crosscheck.md: friction stiffens the slow modes,
+ * so that more drag is best; without it, a fifth of this drag lets grains run into other equilibria. */
+static const double VISCOUS = 0.1, VISCOUS_FRICTION = 0.2, CONTACT = 0.3, TIME_STEP = 1.0;
 static const double FLOOR = 1e-9; /* over stiffness and mean radius */
 enum { STEPS_A_CHECK = 50 };
 
@@ -40,7 +41,7 @@ peer_motion peer_motion_of(const gh_peer_problem *p) {
   double kn = law->normal_stiffness, kt = law->friction ? law->tangential_stiffness : kn, mean = 0;
   for (int i = 0; i < p->n; i++) mean += p->radius[i] / p->n;
   return (peer_motion){.dt = TIME_STEP / sqrt(10 * kn + (law->friction ? 6 * kt : 0)),
-                       .viscous = VISCOUS * sqrt(kn),
+                       .viscous = (law->friction ? VISCOUS_FRICTION : VISCOUS) * sqrt(kn),
                        .contact = CONTACT * sqrt(kn),
                        .skin = 0.3 * mean,
                        .floor = FLOOR * kn * mean,
