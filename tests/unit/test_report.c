@@ -177,7 +177,7 @@ static void make_bed(gh_context *ctx, bed *b) {
       here);
   write_file(b->scene_path, text);
   OK(gh_scene_read(ctx, b->scene_path, &b->scene));
-  OK(gh_farm_create_rves(ctx, 4, b->scene->packing, &b->scene->micro, &b->farm));
+  OK(gh_farm_create_rves(ctx, 4, b->scene->packings[0], &b->scene->micro, &b->farm));
   double F[16], P[16];
   for (int k = 0; k < 16; k++) F[k] = (double[]){0.99, 0.002, 0.001, 0.985}[k % 4];
   OK(gh_farm_evaluate(b->farm, F, 0, P, NULL));
