@@ -141,6 +141,25 @@ static void make_path(double *F, int rows, double step, bool sheared) {
   }
 }
 
+/* A row that is there twice: nothing moves, and nothing changes. */
+static void test_standing(void **state) {
+  gh_context *ctx = *state;
+  const double F[] = {1, 0, 0, 1, 0.999, 0, 0, 1, 0.999, 0, 0, 1, 0.998, 0, 0, 1};
+  gh_packing *p = case_packing(ctx, "p50d");
+  gh_peer_problem q = pose(p, law(1000, 200, 0.5), 4, F);
+  for (int kind = 0; kind < 2; kind++) {
+    gh_peer_row row[4];
+    gh_peer_result r;
+    if (kind == GH_PEER_LIGGGHTS && !installed()) continue;
+    OK(gh_peer_run(ctx, kind, &q, row, &r));
+    assert_string_equal(r.message, "");
+    NEAR("stress of the second", distance(row[1].cauchy, row[2].cauchy, 4), 0, 1e-8 * norm(row[1].cauchy, 4));
+    assert_true(distance(row[2].cauchy, row[3].cauchy, 4) > 1e-3 * norm(row[1].cauchy, 4));
+  }
+  test_free((void *)q.x);
+  gh_packing_destroy(&p);
+}
+
 /* Without friction the equilibrium is the same; the stress is known to some hundred times the residual of
  * 1e-10. */
 static void test_frictionless(void **state) {
@@ -238,6 +257,10 @@ static void test_failing(void **state) {
       {"d=$(dirname \"$2\"); echo 'ITEM: ENTRIES' >$d/contacts.0; echo '1 2 nan' >>$d/contacts.0; echo "
        "granhom "
        "row 0 50 0 0 0",
+       "list of contacts cannot be read"},
+      {"d=$(dirname \"$2\"); printf 'ITEM: NUMBER OF ENTRIES\\n2\\nITEM: ENTRIES\\n0 0 0 1 0 0 1 2 0 -1 0 "
+       "0\\n' >$d/contacts.0; "
+       "echo granhom row 0 50 0 0 0",
        "list of contacts cannot be read"}};
   for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
     gh_peer_result r;
@@ -345,9 +368,9 @@ static void test_refused(void **state) {
 }
 
 int main(void) {
-  const struct CMUnitTest tests[] = {TEST(test_pressure), TEST(test_shear),   TEST(test_frictionless),
-                                     TEST(test_friction), TEST(test_missing), TEST(test_failing),
-                                     TEST(test_hanging),  TEST(test_tilted),  TEST(test_limits),
-                                     TEST(test_refused)};
+  const struct CMUnitTest tests[] = {TEST(test_pressure),     TEST(test_standing), TEST(test_shear),
+                                     TEST(test_frictionless), TEST(test_friction), TEST(test_missing),
+                                     TEST(test_failing),      TEST(test_hanging),  TEST(test_tilted),
+                                     TEST(test_limits),       TEST(test_refused)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

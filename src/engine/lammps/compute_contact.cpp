@@ -66,10 +66,18 @@ void ComputeContact::init() {
                           " must be defined after the pair style: granhom/coulomb has more columns");
 }
 
-/* Between runs, commands may have moved atoms or the box. Ghosts are brought up to date here; the list still
- * holds every contact if no two atoms can have come nearer than the skin since it was made. */
+/* Within a run the list, the ghosts and the forces belong together; but where a fix changes the box (fix
+ * deform does so at the end of a step) ghosts are left behind, and are brought up to date here. Between runs,
+ * commands may have moved atoms or the box: the list still holds every contact if no two atoms can have come
+ * nearer than the skin since it was made. */
 void ComputeContact::check_list(const PairNormal &p) {
-  if (update->whichflag) return; /* within a run: the list, the ghosts and the forces belong together */
+  if (!update->whichflag) refuse_stale(p);
+  else if (!domain->box_change) return;
+  comm->forward_comm();
+  if (coulomb) coulomb->history()->refresh(false);
+}
+
+void ComputeContact::refuse_stale(const PairNormal &p) {
   int stale = !p.builds || (coulomb && !(coulomb->history() && coulomb->history()->fresh())) ||
               p.build_id.size() != (std::size_t)(atom->nlocal + atom->nghost) ||
               !std::equal(p.build_id.begin(), p.build_id.end(), atom->tag);
@@ -97,8 +105,6 @@ void ComputeContact::check_list(const PairNormal &p) {
                std::string("Compute ") + style +
                    ": atoms or box changed since the last run by more than the neighbor skin, or there was "
                    "no run yet: use run 0 first");
-  comm->forward_comm();
-  if (coulomb) coulomb->history()->refresh(false);
 }
 
 /* Of a grain's two images on opposite sides, the one ahead in the order z, y, x of the lattice vectors. */

@@ -67,6 +67,7 @@ private:
   int rows_allocated = 0, columns;
   PairCoulomb *coulomb = nullptr; /* friction(), while contacts are listed */
   void check_list(const PairNormal &p);
+  void refuse_stale(const PairNormal &p);
   bool ahead(int i, int j, const double *l) const;
   bool counted_here(int i, int j, const double *l) const;
   void add(const PairNormal &p, int i, int j, int *count);

@@ -137,12 +137,14 @@ static void print_row(const liggghts *g, gh_text *s, int row) {
                 "next check\njump SELF relax%d\nprint \"granhom unrest %d ${rforce} ${rdrag} "
                 "${rmoment}\"\nquit\nlabel rest%d\nvariable check delete\n",
                 row, row, row);
+  /* the residual before the dump: its run sets up anew, with the drag of the velocities half a step later */
+  gh_text_print(s, "print \"granhom row %d ${now} ${rforce} ${rdrag} %s\"\n", row,
+                g->m.rotate ? "${rmoment}" : "0");
   gh_text_print(s, "dump rest all local 1 %s/contacts.%d", g->folder, row);
   for (int k = 1; k <= COLUMNS; k++) gh_text_print(s, " c_contact[%d]", k);
   gh_text_print(s, "\ndump_modify rest format \"");
   for (int k = 0; k < COLUMNS; k++) gh_text_print(s, "%%.17g ");
-  gh_text_print(s, "\"\nrun 0 post no\nundump rest\nprint \"granhom row %d ${now} ${rforce} ${rdrag} %s\"\n",
-                row, g->m.rotate ? "${rmoment}" : "0");
+  gh_text_print(s, "\"\nrun 0 post no\nundump rest\n");
 }
 
 static gh_status write_script(const liggghts *g) {
@@ -165,7 +167,8 @@ static gh_status read_contacts(const liggghts *g, int row, gh_peer_row *r) {
   size_t size = 0;
   peer_cell c;
   peer_sum sum = {0};
-  bool entries = false, good = true;
+  bool entries = false, number = false, good = true;
+  int wanted = -1;
   peer_cell_find(g->p, row, &c);
   snprintf(path, sizeof path, "%s/contacts.%d", g->folder, row);
   FILE *file = fopen(path, "r");
@@ -175,9 +178,11 @@ static gh_status read_contacts(const liggghts *g, int row, gh_peer_row *r) {
     char *at = line;
     if (strncmp(line, "ITEM:", 5) == 0) {
       entries = strncmp(line, "ITEM: ENTRIES", 13) == 0;
-      if (entries) sum = (peer_sum){0}; /* a later frame replaces an earlier one */
+      number = strncmp(line, "ITEM: NUMBER OF ENTRIES", 23) == 0;
       continue;
     }
+    if (number) wanted = atoi(line);
+    number = false;
     if (!entries) continue;
     for (int k = 0; k < COLUMNS && good; k++) {
       char *end;
@@ -193,7 +198,8 @@ static gh_status read_contacts(const liggghts *g, int row, gh_peer_row *r) {
   }
   free(line);
   fclose(file);
-  if (!good) return gh_fail(g->ctx, GH_ENGINE, "LIGGGHTS's list of contacts cannot be read");
+  if (!good || sum.contacts != wanted)
+    return gh_fail(g->ctx, GH_ENGINE, "LIGGGHTS's list of contacts cannot be read");
   peer_close(&sum, &c, r);
   return GH_OK;
 }

@@ -200,6 +200,7 @@ static gh_status finish_row(gran *g, gh_peer_row *r) {
   DO("run 1 post no");
   for (int c = 0; c < 3; c++) GH_TRY(gh_lmp_fix_vector(g->ctx, g->lmp, "virial", c, p + c));
   DO("unfix virial");
+  DO("run 0 post no"); /* runs without setup may follow */
   GH_TRY(measure(g, r));
   peer_cell upright = {0};
   memcpy(upright.q, q, sizeof q);
@@ -220,7 +221,11 @@ static gh_status relax(gran *g, double end, gh_peer_row *r, gh_peer_result *resu
     DO("run %ld pre no post no", g->m.steps_a_check);
     r->steps += g->m.steps_a_check;
     GH_TRY(measure(g, r));
-    if (r->residual <= g->p->tolerance) return finish_row(g, r);
+    if (r->residual <= g->p->tolerance) {
+      GH_TRY(finish_row(g, r));
+      r->steps++;
+      if (r->residual <= g->p->tolerance) return GH_OK;
+    }
     if (gh_seconds() > end) {
       peer_end(result, GH_PEER_STOPPED, "row %d: stopped after %g s with the residual %.2g", result->rows,
                g->p->seconds, r->residual);
