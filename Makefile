@@ -2,19 +2,22 @@
 #   make          builds build/granhom
 #   make demo     installs what is missing, builds, runs a block of sand and draws it
 #   make check    installs what is missing, builds, runs all tests
-#   make bench    times of one RVE update;   make asan / make valgrind   the tests under the checkers
-#   make format   clang-format over all sources;   make install   PREFIX=/usr/local
+#   make bench    times of one RVE update and of the farm;   make asan / make valgrind   the tests under the checkers
+#   make format   clang-format over all sources
+#   make install   PREFIX=/usr/local DESTDIR=   program, library, headers, granhom.pc, manual page;   make uninstall
 BUILD  ?= build
 PREFIX ?= /usr/local
 ARCH   ?= -march=native
 OPT    ?= -O3
-MODULES ?= base io contact packing engine engine/native engine/lammps micro farm macro scene
+MODULES ?= base io contact packing engine engine/native engine/lammps engine/peers engine/liggghts micro farm control macro scene
 
 PKGS   := ompi-c hdf5-openmpi yaml-0.1 libcjson cairo
 CC     ?= gcc
 CXX    ?= g++
 WARN   := -Wall -Wextra -Wpedantic -Werror
-FLAGS  := $(OPT) -g $(ARCH) -fno-math-errno $(SAN) $(WARN) -Iinclude -Isrc -I$(BUILD) -DGH_BUILD_FLAGS='"$(OPT) $(ARCH) $(SAN)"'
+# All objects serve the shared library too: position-independent code costs nothing here (docs/performance.md).
+PIC    := -fPIC -fno-semantic-interposition
+FLAGS  := $(OPT) -g $(ARCH) -fno-math-errno $(PIC) $(SAN) $(WARN) -Iinclude -Isrc -I$(BUILD) -DGH_BUILD_FLAGS='"$(OPT) $(ARCH) $(SAN)"'
 CPPFLAGS_PKG = $(shell pkg-config --cflags $(PKGS) | sed 's/-I/-isystem /g') -isystem /usr/include/suitesparse
 CFLAGS  = -std=c17 -D_XOPEN_SOURCE=700 $(FLAGS) $(CPPFLAGS_PKG) -fexceptions
 # LAMMPS's headers are C++11 of their own kind: ours on top of them keep the warnings.
@@ -25,29 +28,36 @@ LDLIBS  = -llammps -lcholmod -lumfpack -lklu $(shell pkg-config --libs $(PKGS)) 
 SRC  := $(foreach m,$(MODULES),$(wildcard src/$(m)/*.c src/$(m)/*.cpp))
 OBJ  := $(SRC:%=$(BUILD)/%.o)
 LIB  := $(BUILD)/libgranhom.a
+VERSION := $(shell sed -n 's/^\#define GH_VERSION "\(.*\)"/\1/p' include/granhom/granhom.h)
+SONAME  := libgranhom.so.$(firstword $(subst ., ,$(VERSION)))
+SHARED  := $(BUILD)/libgranhom.so.$(VERSION)
 DRV  := $(wildcard driver/*.c)
 DOBJ := $(DRV:%=$(BUILD)/%.o)
 TESTS := $(wildcard tests/unit/test_*.c tests/verify/test_*.c tests/extreme/test_*.c)
 TBIN := $(TESTS:%.c=$(BUILD)/%)
 BENCH := $(patsubst %.c,$(BUILD)/%,$(wildcard tests/bench/*.c))
 
-.PHONY: all lib demo check bench asan valgrind format tidy install clean packages tests-only
+.PHONY: all lib demo check bench asan valgrind format tidy install uninstall clean packages tests-only
 .DEFAULT_GOAL := all
 .PRECIOUS: $(BUILD)/%.c.o $(BUILD)/%.cpp.o
 all: $(BUILD)/granhom
-lib: $(LIB)
+lib: $(LIB) $(SHARED)
 
-$(BUILD)/%.c.o: %.c
+$(BUILD)/%.c.o: %.c Makefile
 	@mkdir -p $(@D)
 	@echo "  CC   $<"
 	@$(CC) $(CFLAGS) -MMD -MP -c $< -o $@
-$(BUILD)/%.cpp.o: %.cpp
+$(BUILD)/%.cpp.o: %.cpp Makefile
 	@mkdir -p $(@D)
 	@echo "  CXX  $<"
 	@$(CXX) $(CXXFLAGS) -MMD -MP -c $< -o $@
 $(LIB): $(OBJ)
 	@rm -f $@
 	@ar rcs $@ $^
+# What the library exports: gh_*, and LAMMPS's functions that it replaces (src/engine/lammps/guard.cpp).
+$(SHARED): $(OBJ) scripts/libgranhom.map
+	@echo "  LD   $@"
+	@$(CC) -shared -Wl,-soname,$(SONAME) -Wl,--version-script=scripts/libgranhom.map -Wl,-z,defs $(SAN) $(OBJ) $(LDLIBS) -o $@
 $(BUILD)/granhom: $(DOBJ) $(LIB)
 	@echo "  LD   $@"
 	@$(CC) $(LDFLAGS) $(DOBJ) $(LIB) $(LDLIBS) -o $@
@@ -64,7 +74,7 @@ demo: packages
 	@scripts/demo.sh $(BUILD)
 check:
 	@scripts/install-packages.sh check
-	@$(MAKE) --no-print-directory -j$$(nproc) all tests-only
+	@$(MAKE) --no-print-directory -j$$(nproc) all lib tests-only
 	@BUILD=$(BUILD) tests/run.sh
 tests-only: $(TBIN)
 bench: packages
@@ -84,8 +94,28 @@ verification:
 	@scripts/install-packages.sh check
 	@$(MAKE) --no-print-directory -j$$(nproc) all $(BUILD)/tests/verify/test_rve_cases
 	@scripts/block-study.sh $(BUILD)
-install: all
-	install -D $(BUILD)/granhom $(DESTDIR)$(PREFIX)/bin/granhom
+bindir := $(PREFIX)/bin
+libdir := $(PREFIX)/lib
+incdir := $(PREFIX)/include
+mandir := $(PREFIX)/share/man/man1
+# The manual page is made of what `granhom help` says.
+$(BUILD)/granhom.1: $(BUILD)/granhom scripts/man.sh man/granhom.1.in
+	@scripts/man.sh $(BUILD)/granhom man/granhom.1.in >$@.tmp && mv $@.tmp $@
+install: all lib $(BUILD)/granhom.1
+	install -d $(DESTDIR)$(bindir) $(DESTDIR)$(libdir)/pkgconfig $(DESTDIR)$(incdir)/granhom $(DESTDIR)$(mandir)
+	install $(BUILD)/granhom $(DESTDIR)$(bindir)/granhom
+	install -m 644 $(LIB) $(SHARED) $(DESTDIR)$(libdir)
+	ln -sf $(notdir $(SHARED)) $(DESTDIR)$(libdir)/$(SONAME)
+	ln -sf $(SONAME) $(DESTDIR)$(libdir)/libgranhom.so
+	install -m 644 include/granhom/*.h $(DESTDIR)$(incdir)/granhom
+	sed -e 's|@PREFIX@|$(PREFIX)|' -e 's|@VERSION@|$(VERSION)|' -e 's|@LIBS@|-rdynamic $(SAN) $(LDLIBS)|' scripts/granhom.pc.in \
+	  >$(DESTDIR)$(libdir)/pkgconfig/granhom.pc
+	install -m 644 $(BUILD)/granhom.1 $(DESTDIR)$(mandir)
+uninstall:
+	rm -f $(DESTDIR)$(bindir)/granhom $(DESTDIR)$(libdir)/libgranhom.a $(DESTDIR)$(libdir)/libgranhom.so $(DESTDIR)$(libdir)/$(SONAME)
+	rm -f $(DESTDIR)$(libdir)/$(notdir $(SHARED)) $(DESTDIR)$(libdir)/pkgconfig/granhom.pc $(DESTDIR)$(mandir)/granhom.1
+	rm -f $(patsubst include/%,$(DESTDIR)$(incdir)/%,$(wildcard include/granhom/*.h))
+	-rmdir $(DESTDIR)$(incdir)/granhom
 clean:
 	rm -rf $(BUILD) $(BUILD)-asan $(BUILD)-valgrind
 

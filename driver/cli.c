@@ -86,6 +86,7 @@ int cli_close(gh_context *ctx, gh_status s) {
 
 int cli_usage(const cli_command *command, const char *format, ...) {
   va_list args;
+  if (cli_rank() > 0) return 2;
   va_start(args, format);
   fprintf(stderr, "granhom %s: ", command->name);
   vfprintf(stderr, format, args);

@@ -2,12 +2,14 @@
 #include "cli.h"
 #include "granhom/scene.h"
 
+#include <mpi.h>
 #include <signal.h>
 #include <string.h>
 
 typedef struct run_arguments {
   const char *scene, *folder, *engine;
-  bool explain, quiet;
+  long every;
+  bool explain, quiet, restart, no_share, no_balance;
 } run_arguments;
 
 /* Set by the first SIGINT or SIGTERM, asked before each material point. */
@@ -35,11 +37,18 @@ static bool stop(void *data) {
 static int parse(int argc, char **argv, run_arguments *a) {
   for (int k = 1; k < argc; k++) {
     const char *word = argv[k];
+    bool every = strcmp(word, "--checkpoint-every") == 0;
     bool takes_value =
-        strcmp(word, "-o") == 0 || strcmp(word, "--output") == 0 || strcmp(word, "--engine") == 0;
+        every || strcmp(word, "-o") == 0 || strcmp(word, "--output") == 0 || strcmp(word, "--engine") == 0;
     if (takes_value && k + 1 >= argc) return cli_usage(&cli_run, "%s needs a value", word);
+    if (every && !gh_parse_integer(argv[++k], 1, 1000000000, &a->every))
+      return cli_usage(&cli_run, "--checkpoint-every '%s' is no number of increments", argv[k]);
+    if (every) continue;
     if (strcmp(word, "--engine") == 0) a->engine = argv[++k];
     else if (takes_value) a->folder = argv[++k];
+    else if (strcmp(word, "--restart") == 0) a->restart = true;
+    else if (strcmp(word, "--no-share") == 0) a->no_share = true;
+    else if (strcmp(word, "--no-balance") == 0) a->no_balance = true;
     else if (strcmp(word, "--explain") == 0) a->explain = true;
     else if (strcmp(word, "--quiet") == 0) a->quiet = true;
     else if (word[0] == '-' && word[1]) return cli_usage(&cli_run, "there is no option '%s'", word);
@@ -81,11 +90,17 @@ static gh_status work(gh_context *ctx, const run_arguments *a) {
   GH_TRY(gh_scene_read(ctx, a->scene, &scene));
   if (a->engine)
     gh_scene_set_engine(scene, strcmp(a->engine, "native") == 0 ? GH_ENGINE_NATIVE : GH_ENGINE_LAMMPS);
+  gh_scene_set_sharing(scene, !a->no_share);
   gh_status status;
   if (a->explain) {
     status = explain(ctx, scene);
   } else {
-    gh_run_options options = {.stop = stop};
+    MPI_Comm world = MPI_COMM_WORLD;
+    gh_run_options options = {.stop = stop,
+                              .comm = &world,
+                              .no_balance = a->no_balance,
+                              .restart = a->restart,
+                              .checkpoint_every = (int)a->every};
     gh_run_summary summary;
     status = gh_scene_run(scene, a->folder, &options, &summary);
     if (!a->quiet && (summary.increments > 0 || status == GH_OK)) summarise(ctx, &summary, a->folder);
@@ -94,20 +109,39 @@ static gh_status work(gh_context *ctx, const run_arguments *a) {
   return status;
 }
 
+/* Rank 0 runs the scene, the others serve its farm. All end with the status of rank 0. */
+static gh_status share_work(gh_context *ctx, const run_arguments *a) {
+  MPI_Comm world = MPI_COMM_WORLD;
+  gh_status status;
+  if (cli_rank() == 0) {
+    status = work(ctx, a);
+    gh_farm_dismiss(&world);
+  } else if ((status = gh_farm_serve(ctx, &world, stop, NULL)) != GH_OK) {
+    fprintf(stderr, "granhom: rank %d: %s\n", cli_rank(), gh_message(ctx)); /* rank 0 may be waiting for it */
+    MPI_Abort(world, gh_exit_status(status));
+  }
+  int shared = (int)status;
+  MPI_Bcast(&shared, 1, MPI_INT, 0, world);
+  return (gh_status)shared;
+}
+
 static int run(int argc, char **argv) {
   run_arguments a = {0};
-  int code = parse(argc, argv, &a);
-  if (code) return code;
   gh_context *ctx = cli_open();
   if (!ctx) return 1;
+  gh_status status = cli_mpi(ctx, false);
+  if (status != GH_OK) return cli_close(ctx, status);
+  int code = parse(argc, argv, &a);
+  if (code) {
+    gh_context_destroy(&ctx);
+    return code;
+  }
   if (a.quiet) {
     gh_set_log(ctx, warnings_only, NULL);
     gh_set_progress(ctx, NULL, NULL);
   }
-  gh_status status = cli_mpi(ctx, true);
-  if (status == GH_OK && !a.explain) catch_signals();
-  if (status == GH_OK) status = work(ctx, &a);
-  return cli_close(ctx, status);
+  if (!a.explain) catch_signals();
+  return cli_close(ctx, share_work(ctx, &a));
 }
 
 const cli_command cli_run = {
@@ -115,18 +149,34 @@ const cli_command cli_run = {
     .summary = "solves a scene: a structure whose material is a packing of grains",
     .help =
         "usage: granhom run SCENE.yaml -o DIR [options]\n"
+        "       mpirun -n N granhom run SCENE.yaml -o DIR [options]\n"
         "       granhom run SCENE.yaml --explain\n\n"
         "  -o DIR, --output DIR      folder for the results, made where it is missing; what is in it is "
         "replaced\n"
         "  --engine lammps|native    who relaxes the grains, instead of the scene's `micro: {engine: ...}`\n"
         "  --explain                 says what the scene switches on and what it leaves out, and runs "
         "nothing\n"
+        "  --restart                 goes on from DIR/checkpoint.h5 as if nothing had happened, also with "
+        "another "
+        "number of\n"
+        "                            ranks; from the start where there is none\n"
+        "  --checkpoint-every N      increments from one checkpoint to the next (1); a run that is stopped "
+        "or "
+        "fails writes\n"
+        "                            one of its last complete increment too\n"
+        "  --no-share                computes each integration point, also where others have the same "
+        "packing "
+        "and the same\n"
+        "                            history; the results are the same\n"
+        "  --no-balance              leaves integration points on the rank where they began\n"
         "  --quiet                   only warnings and errors on the screen\n\n"
         "DIR holds, complete after each increment: results.h5 and results.xdmf (open the latter in "
         "ParaView),\n"
         "history.csv (loads, reactions, dilatancy), convergence.csv (residuals), rves.h5 (grains and "
         "contacts),\n"
-        "run.json (versions, options, outcome). `granhom plot DIR` draws them.\n"
+        "timing.csv, run.json (versions, options, outcome), checkpoint.h5 (for --restart). `granhom report "
+        "DIR` "
+        "makes a page of them, `granhom plot DIR` pictures.\n"
         "Ctrl-C ends the run within a moment; a second one ends it at once. What is on disk is complete up "
         "to "
         "the increment before.\n"

@@ -1,6 +1,7 @@
 /* granhom rve: one material point along a path of F. SPDX-License-Identifier: GPL-2.0-or-later */
 #include "cli.h"
 #include "contact_options.h"
+#include "path.h"
 #include "rve_state.h"
 
 #include "granhom/io.h"
@@ -51,10 +52,9 @@ typedef struct job {
   gh_context *ctx;
   const arguments *args;
   gh_packing *packing;
-  gh_csv *path;
+  path_rows path;
   gh_rve *rve;
   gh_text *out, *tangent, *dump;
-  int columns[5]; /* step F11 F12 F21 F22 */
   double written; /* when the files were last written */
 } job;
 
@@ -131,32 +131,6 @@ static int parse(int argc, char **argv, arguments *a) {
   if (!(a->rve.tolerance < 1))
     return cli_usage(&cli_rve, "--tolerance must be below 1, not %g", a->rve.tolerance);
   return contact_law(&cli_rve, &a->contact, &a->rve.law);
-}
-
-/* ---- path ---- */
-
-static gh_status check_path(job *j) {
-  static const char *const names[] = {"step", "F11", "F12", "F21", "F22"};
-  const gh_csv *p = j->path;
-  const char *file = j->args->path;
-  for (int k = 0; k < 5; k++) {
-    j->columns[k] = gh_csv_find(p, names[k]);
-    if (j->columns[k] < 0 && k > 0)
-      return gh_fail(j->ctx, GH_INPUT, "%s:1: no column %s; a path has step,F11,F12,F21,F22", file, names[k]);
-  }
-  if (p->nrows < 1) return gh_fail(j->ctx, GH_INPUT, "%s: the path has no rows", file);
-  for (int row = 0; row < p->nrows; row++) {
-    double F[4];
-    for (int k = 0; k < 4; k++) F[k] = p->value[row * p->ncols + j->columns[k + 1]];
-    if (!(gh_det2(F) > 0))
-      return gh_fail(j->ctx, GH_INPUT,
-                     "%s:%d: F = [%g %g; %g %g] has the determinant %g; it must be positive", file,
-                     p->line[row], F[0], F[1], F[2], F[3], gh_det2(F));
-    double step = j->columns[0] >= 0 ? p->value[row * p->ncols + j->columns[0]] : row;
-    if (step != floor(step) || fabs(step) > 1e15)
-      return gh_fail(j->ctx, GH_INPUT, "%s:%d: step %g is not an integer", file, p->line[row], step);
-  }
-  return GH_OK;
 }
 
 /* ---- results ---- */
@@ -292,13 +266,12 @@ static gh_status walk(job *j) {
   gh_work work;
   double from[4];
   gh_status status = start_of_path(j, from);
-  gh_work_begin(j->ctx, &work, "rve", "increments", j->path->nrows);
-  int row = 0;
-  for (; row < j->path->nrows && status == GH_OK; row++) {
-    const double *value = j->path->value + row * j->path->ncols;
+  int row = 0, rows = j->path.csv->nrows;
+  gh_work_begin(j->ctx, &work, "rve", "increments", rows);
+  for (; row < rows && status == GH_OK; row++) {
     double F[4], P[4], A[16];
-    for (int k = 0; k < 4; k++) F[k] = value[j->columns[k + 1]];
-    long step = j->columns[0] >= 0 ? (long)value[j->columns[0]] : row;
+    path_F(&j->path, row, F);
+    long step = path_step(&j->path, row);
     status = reach(j, step, from, F, P, A);
     if (status == GH_OK) status = write_row(j, step, A);
     if (status == GH_OK) status = gh_rve_commit(j->rve);
@@ -326,8 +299,7 @@ static gh_status finish(job *j, gh_status status) {
 static gh_status rve(job *j) {
   const arguments *a = j->args;
   GH_TRY(gh_packing_read(j->ctx, a->packing, &j->packing));
-  GH_TRY(gh_csv_read(j->ctx, a->path, &j->path));
-  GH_TRY(check_path(j));
+  GH_TRY(path_read(j->ctx, a->path, &j->path));
   GH_TRY(cli_mpi(j->ctx, true));
   GH_TRY(gh_rve_create(j->ctx, j->packing, &a->rve, &j->rve));
   if (a->load) GH_TRY(rve_state_load(j->ctx, a->load, j->rve, &a->rve, j->packing));
@@ -350,7 +322,7 @@ static int run(int argc, char **argv) {
   gh_text_destroy(&j.out);
   gh_text_destroy(&j.tangent);
   gh_text_destroy(&j.dump);
-  gh_csv_destroy(&j.path);
+  gh_csv_destroy(&j.path.csv);
   gh_packing_destroy(&j.packing);
   return cli_close(j.ctx, status);
 }

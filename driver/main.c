@@ -6,7 +6,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const cli_command *const commands[] = {&cli_run, &cli_rve, &cli_pack, &cli_plot, &cli_lammps};
+static const cli_command *const commands[] = {&cli_run,  &cli_rve,  &cli_element, &cli_crosscheck,
+                                              &cli_pack, &cli_plot, &cli_report,  &cli_lammps};
 enum { COMMANDS = sizeof commands / sizeof *commands };
 
 static void print_help(FILE *out) {
@@ -14,8 +15,8 @@ static void print_help(FILE *out) {
       out,
       "granhom: how structures of grains deform, by finite elements whose material is a packing of grains\n\n"
       "usage: granhom COMMAND [arguments]\n\n");
-  for (int k = 0; k < COMMANDS; k++) fprintf(out, "  %-8s %s\n", commands[k]->name, commands[k]->summary);
-  fprintf(out, "  %-8s %s\n", "help",
+  for (int k = 0; k < COMMANDS; k++) fprintf(out, "  %-10s %s\n", commands[k]->name, commands[k]->summary);
+  fprintf(out, "  %-10s %s\n", "help",
           "this page; `granhom help COMMAND` describes a command and its options");
   fprintf(out, "\n`granhom --version` prints the versions. Exit status: 0 done; 1 the computation failed; 2 "
                "the input is wrong.\n");

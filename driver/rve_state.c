@@ -127,8 +127,8 @@ gh_status rve_state_load(gh_context *ctx, const char *path, gh_rve *rve, const g
   GH_TRY(gh_h5_read(ctx, path, &file));
   GH_TRY_OR(gh_alloc(ctx, 4 + 3 * (size_t)packing->n, sizeof *memory, &memory), done);
   GH_TRY_OR(check_boundary(ctx, path, file, options->boundary), done);
-  GH_TRY_OR(check_law(ctx, path, file, &options->law), done);
   GH_TRY_OR(check_packing(ctx, path, file, packing, memory), done);
+  GH_TRY_OR(check_law(ctx, path, file, &options->law), done);
   GH_TRY_OR(read_state(ctx, file, rve), done);
 done:
   if (status != GH_OK && strncmp(gh_message(ctx), path, strlen(path)) != 0)

@@ -366,4 +366,5 @@ def main():
     replace(report, parts)
 
 
-main()
+if __name__ == "__main__":
+    main()

@@ -31,6 +31,9 @@ run_one() {
   begin=$(date +%s.%N)
   local run=("$test")
   [ "${test%.sh}" != "$test" ] && run=(bash "$test")
+  # Open MPI's session folders of processes that start and end at once get in each other's way
+  mkdir -p "$out.mpi"
+  export OMPI_MCA_orte_tmpdir_base=$out.mpi
   { timeout -k 10 "$limit" "${run[@]}" >"$out" 2>&1 </dev/null; } 2>/dev/null # the shell's own remark on a crash
   code=$?
   end=$(date +%s.%N)

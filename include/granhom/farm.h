@@ -21,7 +21,27 @@ typedef struct gh_point_ops {
 
 /* A farm of n points of any kind; takes the points over (also when it fails). */
 gh_status gh_farm_create(gh_context *ctx, int n, const gh_point_ops *ops, void **points, gh_farm **farm);
-/* A farm of n RVEs of the same packing, each its own. */
+
+/* A farm of RVEs. */
+typedef struct gh_farm_setup {
+  int n;                             /* material points */
+  int npackings;                     /* different packings */
+  const gh_packing *const *packings; /* npackings; copied */
+  const int *packing_of;             /* n: packing of each point; NULL: the first for all */
+  gh_rve_options rve;
+  const void *comm; /* MPI_Comm * whose other ranks are in gh_farm_serve; NULL: this process alone, no MPI */
+  bool no_share;    /* compute each point, also where others have the same state and the same F */
+  bool no_balance;  /* leave RVEs on the rank where they began */
+  int resident;     /* RVEs that a rank keeps ready to go on; 0: as many as fit into GH_FARM_BYTES */
+} gh_farm_setup;
+/* Memory of a rank for RVEs that are kept ready when gh_farm_setup.resident is 0. */
+#define GH_FARM_BYTES 1e9
+
+/* Points begin in the state of their packing as read. Points with the same packing and the same history of F,
+ * to the bit, are computed once. Neither this, nor the ranks, nor `resident` change a bit of any result.
+ * GH_INPUT: options out of range, packing_of out of range. */
+gh_status gh_farm_create_shared(gh_context *ctx, const gh_farm_setup *setup, gh_farm **farm);
+/* The same for one packing, in this process, with sharing. */
 gh_status gh_farm_create_rves(gh_context *ctx, int n, const gh_packing *packing,
                               const gh_rve_options *options, gh_farm **farm);
 void gh_farm_destroy(gh_farm **farm);
@@ -32,16 +52,61 @@ void gh_farm_set_stop(gh_farm *farm, bool (*stop)(void *data), void *data);
 
 /* F: n x 4 (row-major 2x2). Fills P (n x 4) and, where wanted, A (n x 16, index iJkL). Trial state only:
  * every evaluation starts from the converged state. A failure names the point ("integration point 17: ...",
- * counted from 0). */
+ * counted from 0), the first one of those that fail. */
 gh_status gh_farm_evaluate(gh_farm *farm, const double *F, unsigned want, double *P, double *A);
 gh_status gh_farm_commit(gh_farm *farm); /* trial state becomes the converged state */
 gh_status gh_farm_revert(gh_farm *farm); /* trial state is dropped */
 
 /* Measures of the last evaluation of a point; NULL when the farm is not made of RVEs. */
 const gh_rve_measures *gh_farm_measure(const gh_farm *farm, int point);
-/* The RVE itself (to look at it); NULL when the farm is not made of RVEs. */
-gh_rve *gh_farm_rve(gh_farm *farm, int point);
+/* Grains and contacts of a point in its last evaluation, which must have been a success. Pointers belong to
+ * the farm, valid until its next call. GH_INPUT: no RVEs, no such point, no evaluation yet. */
+gh_status gh_farm_look(gh_farm *farm, int point, gh_rve_view *view);
+/* Packing of a point. */
+int gh_farm_packing(const gh_farm *farm, int point);
+/* Where the time of all RVEs went, summed over all ranks. Zero when another rank fails to answer. */
 void gh_farm_costs(const gh_farm *farm, gh_rve_cost *sum);
+void gh_rve_cost_add(gh_rve_cost *sum, const gh_rve_cost *more); /* sum += more */
+
+/* Counts since the farm was made. The first three are sums over points, as if each were computed: they do not
+ * depend on ranks or sharing. */
+typedef struct gh_farm_counts {
+  long evaluations, steps, factorisations; /* of points: evaluations, relaxation steps, factorisations */
+  long computed;                           /* evaluations done, points that share counted once */
+  long moved;                              /* states that went from rank to rank */
+  int ranks, states;                       /* now: ranks; different converged states */
+  int residents;                           /* RVEs kept ready on this rank, of about `bytes` each */
+  double bytes;
+  double busy, longest; /* processor seconds of all evaluations, and of the busiest rank in each: busy over
+                           ranks times longest is the efficiency of the distribution */
+} gh_farm_counts;
+void gh_farm_count(const gh_farm *farm, gh_farm_counts *counts);
+
+/* ---- all converged states, to be written and read back ---- */
+
+typedef struct gh_farm_image {
+  int npoints, nstates;
+  int *state;      /* npoints: number of the point's state; -1: packing as read */
+  size_t *start;   /* nstates + 1: where each begins in data */
+  double *data;    /* start[nstates] */
+  int nwords;      /* doubles of one gh_rve_measures, the last rounded up */
+  double *measure; /* npoints x nwords: the bytes of the measures of the last evaluation */
+} gh_farm_image;
+/* The caller frees with gh_farm_image_free, also after a failure. GH_INPUT: no RVEs. */
+gh_status gh_farm_save(gh_farm *farm, gh_farm_image *image);
+void gh_farm_image_free(gh_farm_image *image);
+/* Into a farm with the same points, packings and options; trial states are dropped. The number of ranks and
+ * the sharing may be others. GH_INPUT: numbers that do not fit. */
+gh_status gh_farm_load(gh_farm *farm, const gh_farm_image *image);
+
+/* ---- other ranks ---- */
+
+/* What every rank but 0 of comm (MPI_Comm *) does: serves the farms that rank 0 makes, until gh_farm_dismiss.
+ * stop(data) is asked between points, and ends the evaluation on all ranks; NULL: never. A failure is told to
+ * rank 0; GH_OK also then. */
+gh_status gh_farm_serve(gh_context *ctx, const void *comm, bool (*stop)(void *data), void *data);
+/* Rank 0: ends gh_farm_serve on all others. */
+void gh_farm_dismiss(const void *comm);
 
 #ifdef __cplusplus
 }

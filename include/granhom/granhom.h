@@ -4,11 +4,13 @@
 #define GH_VERSION "0.1.0"
 #include "granhom/base.h"
 #include "granhom/contact.h"
+#include "granhom/control.h"
 #include "granhom/engine.h"
 #include "granhom/farm.h"
 #include "granhom/io.h"
 #include "granhom/macro.h"
 #include "granhom/micro.h"
 #include "granhom/packing.h"
+#include "granhom/peers.h"
 #include "granhom/scene.h"
 #endif

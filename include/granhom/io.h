@@ -56,6 +56,8 @@ gh_status gh_text_create(gh_context *ctx, gh_text **text);
 void gh_text_destroy(gh_text **text);
 void gh_text_print(gh_text *text, const char *format, ...) GH_PRINTF(2, 3);
 const char *gh_text_get(const gh_text *text, size_t *length);
+/* Replaces what was collected. */
+gh_status gh_text_set(gh_text *text, const char *bytes, size_t length);
 gh_status gh_text_commit(gh_text *text, const char *path); /* may be called again after more printing */
 /* Flushes path.tmp-like files of other writers: fsync(tmp), rename(tmp, path), fsync(folder). */
 gh_status gh_file_replace(gh_context *ctx, const char *tmp, const char *path);
@@ -114,6 +116,8 @@ gh_status gh_h5_read(gh_context *ctx, const char *path, gh_h5 **file);
 gh_status gh_h5_put_doubles(gh_h5 *file, const char *name, size_t rows, size_t cols, const double *data);
 gh_status gh_h5_put_ints(gh_h5 *file, const char *name, size_t rows, size_t cols, const int *data);
 gh_status gh_h5_put_text(gh_h5 *file, const char *name, const char *text);
+/* Removes a dataset or a group with all that is in it; *there: it was there. */
+gh_status gh_h5_remove(gh_h5 *file, const char *name, bool *there);
 /* Rows and columns of a dataset (cols 1 for a vector); GH_INPUT when it is missing. */
 gh_status gh_h5_size(gh_h5 *file, const char *name, size_t *rows, size_t *cols);
 gh_status gh_h5_get_doubles(gh_h5 *file, const char *name, size_t rows, size_t cols, double *data);

@@ -58,6 +58,16 @@ gh_status gh_loads_pressure(gh_loads *loads, int set, double pressure, bool foll
 gh_status gh_loads_force(gh_loads *loads, int set, const double force[2]);
 /* Weight per reference area. */
 gh_status gh_loads_gravity(gh_loads *loads, const double b[2]);
+/* A rigid, massless and rough footing on the straight edge `set`: its nodes move as a rigid body, with finite
+ * rotation, from where they are when the footing is first given; a dead force acts on the body at the point
+ * `at` (reference coordinates; it follows the footing). More forces on the same footing are more calls. The
+ * footing stands as long as the loads that are solved for name it. GH_INPUT: no edges, an edge that is not
+ * straight, a footing that shares nodes with another one. Nodes that are held as well are found by
+ * gh_macro_solve. */
+gh_status gh_loads_footing(gh_loads *loads, int set, const double at[2], const double force[2]);
+/* Middle between the ends of a footing's edge (reference coordinates) and the point on its line at the
+ * distance `eccentricity` from it, towards growing x (growing y where the edge is upright). */
+void gh_footing_point(const gh_mesh *mesh, int set, double eccentricity, double at[2]);
 
 /* ---- the problem ---- */
 
@@ -109,6 +119,12 @@ gh_status gh_macro_balance(gh_macro *macro);
  * or the node with the largest residual and the reason. */
 gh_status gh_macro_solve(gh_macro *macro, const gh_loads *loads, gh_macro_report *report);
 
+/* All that the next gh_macro_solve starts from, without the states of the farm, as numbers: a macro of the
+ * same mesh and options that loads them goes on to the same last bit. GH_INPUT: not of this mesh. */
+size_t gh_macro_state_size(const gh_macro *macro);
+void gh_macro_save(const gh_macro *macro, double *state);
+gh_status gh_macro_load(gh_macro *macro, const double *state, size_t size);
+
 /* State at the last equilibrium. Arrays belong to the macro. */
 const double *gh_macro_u(const gh_macro *macro);         /* nnodes x 2 */
 const double *gh_macro_F(const gh_macro *macro);         /* npoints x 4 */
@@ -117,6 +133,9 @@ const double *gh_macro_A(const gh_macro *macro);         /* npoints x 16 */
 const double *gh_macro_reactions(const gh_macro *macro); /* nnodes x 2: force of the supports on the body */
 /* Sum of the reactions over the nodes of a set (corners count for both edges). */
 void gh_macro_reaction(const gh_macro *macro, int set, double sum[2]);
+/* How a footing has moved against the reference: the middle between the ends of its edge, and the angle of
+ * the line between them (counter-clockwise, radians). Its force on the body is gh_macro_reaction. */
+void gh_macro_footing(const gh_macro *macro, int set, double u[2], double *turn);
 /* Area of the mesh, reference and current; dilatancy is 100 (v/V - 1). */
 void gh_macro_volumes(const gh_macro *macro, double *V, double *v);
 

@@ -111,6 +111,8 @@ gh_status gh_rve_save_trial(const gh_rve *rve, double *state);
  * same to the last bit as in the RVE that the state was saved from. GH_INPUT: a size that does not fit the
  * content, values that are not finite, det F <= 0. */
 gh_status gh_rve_load(gh_rve *rve, const double *state, size_t size);
+/* F of the converged state, row-major; belongs to the RVE. */
+const double *gh_rve_F(const gh_rve *rve);
 
 /* Smallest eigenvalue of the symmetric part of Q_ik = A_iJkL N_J N_L over all unit N (method 7), and the
  * angle of that N. */

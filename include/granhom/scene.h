@@ -21,6 +21,8 @@ gh_status gh_scene_read(gh_context *ctx, const char *path, gh_scene **scene);
 void gh_scene_destroy(gh_scene **scene);
 /* Overrides `micro: {engine: ...}`. */
 void gh_scene_set_engine(gh_scene *scene, gh_engine_kind engine);
+/* false: each integration point is computed, also where others have the same packing and history. */
+void gh_scene_set_sharing(gh_scene *scene, bool share);
 /* Says in words what the scene switches on and what it leaves out. */
 void gh_scene_explain(const gh_scene *scene, gh_text *out);
 
@@ -53,6 +55,10 @@ typedef struct gh_run_options {
   bool (*stop)(void *data); /* asked before each increment and each material point; true ends the run with
                                GH_STOPPED. NULL: never */
   void *stop_data;
+  const void *comm;     /* MPI_Comm * whose other ranks are in gh_farm_serve; NULL: this process alone */
+  bool no_balance;      /* leave RVEs on the rank where they began */
+  bool restart;         /* go on from the checkpoint in the folder; from the start where there is none */
+  int checkpoint_every; /* increments from one checkpoint to the next; 0: 1 */
 } gh_run_options;
 
 typedef struct gh_run_summary {
@@ -61,13 +67,18 @@ typedef struct gh_run_summary {
   int points, unjammed;                  /* material points; how many of them carry nothing at the end */
   double min_acoustic;                   /* smallest eigenvalue of any acoustic tensor at the end */
   gh_rve_cost cost;                      /* of the material points, summed */
+  gh_farm_counts farm;
   double micro_seconds, results_seconds, seconds;
 } gh_run_summary;
 
-/* Runs all steps and writes results.h5, results.xdmf, rves.h5, history.csv, convergence.csv and run.json into
- * `folder`, which is made after the first equilibrium. After each increment all files are whole. GH_INPUT:
- * the scene cannot be run (nothing is written when that shows at the start); GH_DIVERGED: names step and
- * increment; what was complete before is on disk. `summary` may be NULL. */
+/* Runs all steps and writes results.h5, results.xdmf, points.xdmf, rves.h5, traces.h5, dumps, history.csv,
+ * convergence.csv, timing.csv and run.json into `folder`, which is made after the first equilibrium. After
+ * each increment all files are whole. GH_INPUT: the scene cannot be run (nothing is written when that shows
+ * at the start); GH_DIVERGED: names step and increment; what was complete before is on disk. `summary` may be
+ * NULL. checkpoint.h5 is written last, so that all files are complete up to its increment; a run that ends
+ * early writes one of the last complete increment. A run that goes on from it writes the same files as one
+ * that was never interrupted, seconds apart. GH_INPUT: a checkpoint that is damaged or of another scene,
+ * packing, mesh or version. */
 gh_status gh_scene_run(gh_scene *scene, const char *folder, const gh_run_options *options,
                        gh_run_summary *summary);
 /* The summary in words, a few lines. */
@@ -86,6 +97,18 @@ gh_status gh_picture_rve(gh_context *ctx, const char *folder, int point, const c
 gh_status gh_picture_curves(gh_context *ctx, const char *folder, const char *png);
 /* Residuals over the iterations of the last increments. Needs gnuplot. */
 gh_status gh_picture_convergence(gh_context *ctx, const char *folder, const char *png);
+/* A drawing of the caller's own: commands of gnuplot, after a preamble that sets the terminal and the looks
+ * of the others. Needs gnuplot. */
+gh_status gh_picture_script(gh_context *ctx, const char *commands, int width, int height, const char *png);
+
+/* ---- a report ---- */
+
+/* One self-contained HTML page about a folder of results: outcome, curves, fields on the mesh, packings of
+ * npoints integration points (at most 12; npoints 0: the largest von Mises stress, the smallest acoustic
+ * eigenvalue and the first, of the points whose grains are recorded), residuals, times. GH_INPUT: no results,
+ * damaged files, a point that does not exist; nothing is written then. */
+gh_status gh_report_write(gh_context *ctx, const char *folder, const int *points, int npoints,
+                          const char *html);
 
 #ifdef __cplusplus
 }

@@ -169,7 +169,7 @@ double gh_relax_friction_forces(gh_relax_friction *s, double *mean_force) {
  * here with a = min(1, mu E_n/(2 E_t)), which needs no more than E_t across where mu E_n <= 2 E_t. Without
  * friction and hardening nothing resists slip. Parts of the order of overlap over radius are left to the
  * distance of gh_relax_time_step from the limit. */
-static void contact_bound(const gh_contact_law *law, double *along, double *across) {
+void gh_relax_friction_bound(const gh_contact_law *law, double *along, double *across) {
   const double En = law->normal_stiffness, Et = law->tangential_stiffness, mu = law->friction_coefficient;
   *along = En * (1 + 0.5 * mu * fmin(1, mu * En / (2 * Et)));
   *across = mu == 0 && law->hardening == 0 ? 0 : fmax(Et, 0.5 * mu * En);
@@ -201,16 +201,16 @@ static void add_block(double *k, double free, double turns, const double n[2], d
   k[5] += across * turn * turn;
 }
 
-/* A contact's form is along N^2 + across B^2 at most (contact_bound), and N and B are each a part of grain i
- * plus a part of grain j. As (a + b)^2 <= 2 a^2 + 2 b^2, the whole form is at most twice the sum of the forms
- * in which one grain moves alone, which is twice the sum of the grains' own blocks: twice the largest
- * eigenvalue of a block bounds all. For a grain and its own image a = b: that is an equality. Pairs that
- * nearly touch count too: they may touch before the next bound. */
+/* A contact's form is along N^2 + across B^2 at most (gh_relax_friction_bound), and N and B are each a part
+ * of grain i plus a part of grain j. As (a + b)^2 <= 2 a^2 + 2 b^2, the whole form is at most twice the sum
+ * of the forms in which one grain moves alone, which is twice the sum of the grains' own blocks: twice the
+ * largest eigenvalue of a block bounds all. For a grain and its own image a = b: that is an equality. Pairs
+ * that nearly touch count too: they may touch before the next bound. */
 static double time_step(const gh_relax_friction *s, double *block) {
   const gh_relax_state *g = &s->grains;
   const double turns = s->law->fixed_rotations ? 0 : 1;
   double along, across;
-  contact_bound(s->law, &along, &across);
+  gh_relax_friction_bound(s->law, &along, &across);
   memset(block, 0, PER_BLOCK * (size_t)g->n * sizeof *block);
   for (int p = 0; p < g->npairs; p++) {
     const gh_pair *q = &g->pairs[p];

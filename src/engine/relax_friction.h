@@ -49,6 +49,10 @@ gh_relax_end gh_relax_friction_run(gh_relax_friction *s, double tolerance, doubl
  * that may turn; *mean_force is the mean normal contact force (0: no contact). */
 double gh_relax_friction_forces(gh_relax_friction *s, double *mean_force);
 
+/* For those who must step by themselves (LAMMPS on several ranks): stiffness of a contact along and across
+ * its branch vector that bounds the quadratic form of its derivative. */
+void gh_relax_friction_bound(const gh_contact_law *law, double *along, double *across);
+
 #ifdef __cplusplus
 }
 #endif

@@ -236,6 +236,15 @@ gh_status gh_h5_put_text(gh_h5 *f, const char *name, const char *text) {
   return s;
 }
 
+gh_status gh_h5_remove(gh_h5 *f, const char *name, bool *there) {
+  printing p = printing_off();
+  gh_status s = GH_OK;
+  *there = f->writing && H5Lexists(f->id, name, H5P_DEFAULT) > 0;
+  if (*there && H5Ldelete(f->id, name, H5P_DEFAULT) < 0) s = fail(f, GH_INTERNAL, "remove", name);
+  printing_on(p);
+  return s;
+}
+
 /* ---- reading ---- */
 
 static gh_status get_size(const gh_h5 *f, const char *name, hid_t set, size_t *rows, size_t *cols) {

@@ -52,6 +52,15 @@ void gh_text_print(gh_text *t, const char *format, ...) {
   va_end(args);
 }
 
+gh_status gh_text_set(gh_text *t, const char *bytes, size_t length) {
+  GH_TRY(gh_grow(t->ctx, length + 1, 1, &t->capacity, &t->bytes));
+  memcpy(t->bytes, bytes, length);
+  t->bytes[length] = 0;
+  t->length = length;
+  t->failed = false;
+  return GH_OK;
+}
+
 const char *gh_text_get(const gh_text *t, size_t *length) {
   if (length) *length = t->length;
   return t->bytes ? t->bytes : "";

@@ -21,8 +21,10 @@ static gh_status rebase(gh_macro *m, const gh_loads *to, double t) {
   gh_outer_forces(m, to, 0, false, m->eq.u, m->fext);
   for (int d = 0; d < m->ndof; d++) {
     m->from[d] = m->eq.u[d];
-    m->fade[d] = to->fixed[d] ? 0 : m->eq.fint[d] - m->fext[d];
+    m->trial[d] = m->eq.fint[d] - m->fext[d];
+    m->fade[d] = to->fixed[d] || m->owner[d / 2] >= 0 ? 0 : m->trial[d];
   }
+  gh_footings_rebase(m, to, t, m->trial);
   return GH_OK;
 }
 
@@ -31,7 +33,8 @@ static gh_status commit(gh_macro *m, const gh_attempt *a) {
   GH_TRY(gh_farm_commit(m->farm));
   gh_state_swap(&m->eq, &m->now);
   gh_outer_forces(m, a->to, a->t, false, m->eq.u, m->fext);
-  for (int d = 0; d < m->ndof; d++) m->reaction[d] = a->to->fixed[d] ? m->eq.fint[d] - m->fext[d] : 0;
+  for (int d = 0; d < m->ndof; d++)
+    m->reaction[d] = a->to->fixed[d] || m->owner[d / 2] >= 0 ? m->eq.fint[d] - m->fext[d] : 0;
   return GH_OK;
 }
 
@@ -155,10 +158,11 @@ gh_status gh_macro_solve(gh_macro *m, const gh_loads *loads, gh_macro_report *re
   m->begin = gh_seconds();
   m->micro_seconds = 0;
   if (loads->mesh != m->mesh) return gh_fail(m->ctx, GH_INPUT, "the loads belong to another mesh");
-  GH_TRY(gh_supports_check(m->ctx, m->mesh, loads->fixed));
+  GH_TRY(gh_footings_begin(m, loads));
+  GH_TRY(gh_supports_check(m->ctx, m->mesh, loads->fixed, m->nfootings, m->footing));
   GH_TRY(gh_macro_start(m));
   m->solved = true;
-  GH_TRY(gh_system_constrain(m->system, loads->fixed));
+  GH_TRY(gh_system_constrain(m->system, loads->fixed, m->nfootings, m->owner));
   GH_TRY(rebase(m, loads, 0));
   gh_status status = advance(m, loads, &w, r);
   gh_status kept = rebase(m, loads, w.t); /* loads of the state that was reached */

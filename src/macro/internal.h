@@ -49,6 +49,13 @@ typedef struct gh_edge_loads {
   gh_edge_load *edge;
 } gh_edge_loads;
 
+/* What acts on a footing, dead: a force and its arms, arm_ij = f_i z_j with z the arm in the reference about
+ * the middle of the edge. The moment at any turn is linear in them, so loads add and mix. */
+typedef struct gh_footing_load {
+  int set;
+  double force[2], arm[4];
+} gh_footing_load;
+
 struct gh_loads {
   gh_context *ctx;
   const gh_mesh *mesh;
@@ -56,22 +63,61 @@ struct gh_loads {
   unsigned char *fixed; /* ndof */
   double *value;        /* ndof, displacement where fixed */
   gh_edge_loads follow;
+  int nfootings;
+  size_t footing_capacity;
+  gh_footing_load *footing;
 };
 
 gh_status gh_edge_loads_add(gh_context *ctx, gh_edge_loads *list, int a, int b, double pressure);
 
+/* ---- footing.c ---- */
+
+/* A footing of the present increment, in the order of the loads'. Its unknowns q are its displacement and its
+ * turn times `half`; they stand behind the ndof entries of residuals and corrections. */
+typedef struct gh_footing {
+  const gh_mesh_set *set;
+  int end[2];           /* nodes at the ends of its edge */
+  double half;          /* half the distance between them in the reference */
+  gh_footing_load from; /* its load at eq */
+  double fade[3];       /* what holds it at eq and is no load: fades like gh_macro.fade */
+} gh_footing;
+
+/* moved = u with the footing's nodes moved by dq. */
+void gh_footing_move(const gh_mesh *mesh, const gh_footing *f, const double dq[3], const double *u,
+                     double *moved);
+/* Takes over the footings of the loads. GH_INPUT: one of their nodes is held. */
+gh_status gh_footings_begin(gh_macro *m, const gh_loads *to);
+/* Loads and fade at eq, which lies at the fraction t of the way; R: internal minus outer nodal forces there.
+ */
+void gh_footings_rebase(gh_macro *m, const gh_loads *to, double t, const double *R);
+/* The entries behind the ndof nodal ones of R at the fraction t; returns the square of the footings' forces.
+ */
+double gh_footings_residual(const gh_macro *m, const gh_loads *to, double t, bool fade, const double *u,
+                            double *R);
+/* Tells the system how nodes turn with the footings; R: internal minus outer nodal forces at u. */
+void gh_footings_tangent(gh_macro *m, const gh_loads *to, double t, const double *u, const double *R);
+
 /* ---- supports.c ---- */
 
-/* GH_INPUT when a connected body can move rigidly in spite of the fixed degrees of freedom. */
-gh_status gh_supports_check(gh_context *ctx, const gh_mesh *mesh, const unsigned char *fixed);
+/* GH_INPUT when a connected body can move rigidly in spite of the fixed degrees of freedom. Footings connect.
+ */
+gh_status gh_supports_check(gh_context *ctx, const gh_mesh *mesh, const unsigned char *fixed, int nfootings,
+                            const gh_footing *footing);
 
 /* ---- solve.c: the sparse system ---- */
 
 typedef struct gh_system gh_system;
 gh_status gh_system_create(gh_context *ctx, const gh_mesh *mesh, gh_system **system);
 void gh_system_destroy(gh_system **system);
-/* Which degrees of freedom are prescribed; a new analysis only when they change. */
-gh_status gh_system_constrain(gh_system *system, const unsigned char *fixed);
+/* Which degrees of freedom are prescribed, and which nodes follow one of n rigid bodies (owner: the body of
+ * each node, -1 for none; NULL: no bodies). A body's three unknowns stand behind the ndof entries of b and x:
+ * two displacements and the turn. At the begin of an increment: analyses are not kept from one to the next,
+ * because UMFPACK's depends on the values, and a restart has only those to come. */
+gh_status gh_system_constrain(gh_system *system, const unsigned char *fixed, int n, const int *owner);
+/* Displacement of a node for a unit turn of its body. */
+void gh_system_turn(gh_system *system, int node, const double turn[2]);
+/* Stiffness of a body against its turn, besides that of the mesh. */
+void gh_system_spring(gh_system *system, int body, double spring);
 void gh_system_clear(gh_system *system);
 /* Adds an n x n matrix (row-major) at the degrees of freedom dof. */
 void gh_system_add(gh_system *system, int n, const int *dof, const double *K);
@@ -121,6 +167,9 @@ struct gh_macro {
   gh_state eq;   /* where the farm's converged state is: the last equilibrium */
   gh_state now;  /* Newton's iterate; the farm's trial state belongs to it */
   gh_state next; /* a trial of the line search */
+  int nfootings;
+  gh_footing *footing;
+  int *owner; /* nnodes: the footing that a node follows, -1 for none */
   double *reaction;
   double *f0;           /* holds the initial stress */
   double *force;        /* dead loads at eq, without f0 */
@@ -128,7 +177,8 @@ struct gh_macro {
   double *from;         /* u at eq, where the increment starts (increment.c) */
   double *fade;         /* forces at eq that are neither loads nor supports of the increment: they fade */
   double *fext;         /* of the last residual */
-  double *residual;     /* of `now` */
+  double footing_force; /* of the last residual */
+  double *residual;     /* of `now`; these three have 3 nfootings entries more */
   double *trial;        /* of `next` */
   double *du;
   gh_jump jump;

@@ -78,11 +78,14 @@ static double softest(const gh_macro *m, int *point) {
   return smallest;
 }
 
+/* The entry of the residual with the largest value: a degree of freedom, or behind those an unknown of a
+ * footing. */
 static int worst(const gh_macro *m, const gh_attempt *a) {
   int dof = -1;
   double largest = -1;
-  for (int d = 0; d < m->ndof; d++) {
-    if (a->to->fixed[d] || fabs(m->residual[d]) <= largest) continue;
+  for (int d = 0; d < m->ndof + 3 * m->nfootings; d++) {
+    bool out = d < m->ndof && (a->to->fixed[d] || m->owner[d / 2] >= 0);
+    if (out || fabs(m->residual[d]) <= largest) continue;
     largest = fabs(m->residual[d]);
     dof = d;
   }
@@ -92,7 +95,10 @@ static int worst(const gh_macro *m, const gh_attempt *a) {
 gh_status gh_jump_explain(gh_macro *m, const gh_attempt *a, const gh_macro_report *r) {
   char node[128] = "", where[96], change[128] = "", unjammed[256], loose[264] = "";
   int dof = worst(m, a), point = 0;
-  if (dof >= 0) snprintf(node, sizeof node, ", largest at %s", gh_dof_name(m->mesh, dof, where));
+  if (dof >= m->ndof)
+    snprintf(node, sizeof node, ", largest at the footing on %.64s",
+             m->footing[(dof - m->ndof) / 3].set->name);
+  else if (dof >= 0) snprintf(node, sizeof node, ", largest at %s", gh_dof_name(m->mesh, dof, where));
   if (m->jump.point >= 0)
     snprintf(change, sizeof change, "; the stress changes most abruptly at integration point %d (by %.3g)",
              m->jump.point, m->jump.change);

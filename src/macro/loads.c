@@ -26,6 +26,7 @@ void gh_loads_destroy(gh_loads **loads) {
   free((*loads)->fixed);
   free((*loads)->value);
   free((*loads)->follow.edge);
+  free((*loads)->footing);
   free(*loads);
   *loads = NULL;
 }
@@ -36,6 +37,7 @@ void gh_loads_clear(gh_loads *l) {
   memset(l->fixed, 0, ndof * sizeof *l->fixed);
   memset(l->value, 0, ndof * sizeof *l->value);
   l->follow.n = 0;
+  l->nfootings = 0;
 }
 
 gh_status gh_edge_loads_add(gh_context *ctx, gh_edge_loads *list, int a, int b, double pressure) {

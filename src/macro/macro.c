@@ -54,8 +54,9 @@ void gh_state_swap(gh_state *a, gh_state *b) {
 }
 
 static gh_status fill(gh_macro *m) {
-  double **vectors[] = {&m->reaction, &m->f0,       &m->force, &m->from, &m->fade,
-                        &m->fext,     &m->residual, &m->trial, &m->du,   &m->jump.u};
+  double **vectors[] = {&m->reaction, &m->f0, &m->force, &m->from, &m->fade, &m->fext, &m->jump.u};
+  double **longer[] = {&m->residual, &m->trial,
+                       &m->du}; /* a footing has two nodes at least: four for three */
   GH_TRY(gh_shapes_create(m->ctx, m->mesh, &m->shapes));
   GH_TRY(gh_system_create(m->ctx, m->mesh, &m->system));
   GH_TRY(state_create(m, &m->eq));
@@ -63,6 +64,8 @@ static gh_status fill(gh_macro *m) {
   GH_TRY(state_create(m, &m->next));
   for (size_t k = 0; k < sizeof vectors / sizeof *vectors; k++)
     GH_TRY(gh_alloc(m->ctx, (size_t)m->ndof, sizeof(double), vectors[k]));
+  for (size_t k = 0; k < sizeof longer / sizeof *longer; k++)
+    GH_TRY(gh_alloc(m->ctx, 2 * (size_t)m->ndof, sizeof(double), longer[k]));
   gh_jump_forget(&m->jump);
   double V, v;
   gh_macro_volumes(m, &V, &v);
@@ -103,6 +106,8 @@ void gh_macro_destroy(gh_macro **macro) {
   free(m->f0);
   free(m->force);
   free(m->follow.edge);
+  free(m->footing);
+  free(m->owner);
   free(m->from);
   free(m->fade);
   free(m->fext);

@@ -61,6 +61,20 @@ static void assemble(gh_macro *m, const gh_attempt *a) {
       gh_edge_stiffness(share[l] * edge->pressure, K);
       gh_system_add(m->system, 4, dof, K[0]);
     }
+  if (m->nfootings == 0) return;
+  gh_outer_forces(m, a->to, a->t, !a->released, m->now.u, m->fext);
+  for (int d = 0; d < m->ndof; d++) m->trial[d] = m->now.fint[d] - m->fext[d];
+  gh_footings_tangent(m, a->to, a->t, m->now.u, m->trial);
+}
+
+/* Entries of residuals and corrections: the nodes', then those of the footings. */
+static int entries(const gh_macro *m) {
+  return m->ndof + 3 * m->nfootings;
+}
+
+/* Whether entry d is an unknown: neither prescribed nor the node of a footing. */
+static bool is_free(const gh_macro *m, const gh_attempt *a, int d) {
+  return d >= m->ndof || (!a->to->fixed[d] && m->owner[d / 2] < 0);
 }
 
 /* R = f_int - f_ext at state s, plus K times the prescribed part of du where a prediction is asked for. */
@@ -69,18 +83,20 @@ static void find_residual(gh_macro *m, const gh_attempt *a, const gh_state *s, c
   gh_outer_forces(m, a->to, a->t, !a->released, s->u, m->fext);
   for (int d = 0; d < m->ndof; d++) R[d] = s->fint[d] - m->fext[d];
   if (predict) gh_system_multiply(m->system, predict, R);
+  m->footing_force = sqrt(gh_footings_residual(m, a->to, a->t, !a->released, s->u, R));
 }
 
-/* |R_free| and |f_ext| + |R_prescribed|. */
+/* |R_free| and |f_ext| + |R_prescribed|, footings' forces among f_ext. */
 static void measure(const gh_macro *m, const gh_attempt *a, const double *R, double *residual,
                     double *scale) {
-  double norm[2] = {0, 0}, outer = 0;
-  for (int d = 0; d < m->ndof; d++) {
-    norm[a->to->fixed[d]] += R[d] * R[d];
-    outer += m->fext[d] * m->fext[d];
+  double norm = 0, held = 0, outer = m->footing_force * m->footing_force;
+  for (int d = 0; d < entries(m); d++) {
+    if (is_free(m, a, d)) norm += R[d] * R[d];
+    else if (a->to->fixed[d]) held += R[d] * R[d];
+    if (d < m->ndof) outer += m->fext[d] * m->fext[d];
   }
-  *residual = sqrt(norm[0]);
-  *scale = sqrt(outer) + sqrt(norm[1]);
+  *residual = sqrt(norm);
+  *scale = sqrt(outer) + sqrt(held);
 }
 
 /* The residual that counts as zero. Round-off of F is DBL_EPSILON, which the tangent turns into forces:
@@ -92,8 +108,8 @@ static double limit(const gh_macro *m, double scale) {
 
 static double along(const gh_macro *m, const gh_attempt *a, const double *R) {
   double sum = 0;
-  for (int d = 0; d < m->ndof; d++)
-    if (!a->to->fixed[d]) sum += m->du[d] * R[d];
+  for (int d = 0; d < entries(m); d++)
+    if (is_free(m, a, d)) sum += m->du[d] * R[d];
   return sum;
 }
 
@@ -101,6 +117,11 @@ static double along(const gh_macro *m, const gh_attempt *a, const double *R) {
 static gh_status try_step(gh_macro *m, gh_attempt *a, double s, double *residual, double *scale,
                           double *work) {
   for (int d = 0; d < m->ndof; d++) m->next.u[d] = m->now.u[d] + s * m->du[d];
+  for (int k = 0; k < m->nfootings; k++) {
+    const double *q = m->du + m->ndof + 3 * k;
+    gh_footing_move(m->mesh, m->footing + k, (const double[3]){s * q[0], s * q[1], s * q[2]}, m->now.u,
+                    m->next.u);
+  }
   GH_TRY(gh_macro_evaluate(m, &m->next));
   find_residual(m, a, &m->next, NULL, m->trial);
   measure(m, a, m->trial, residual, scale);
@@ -181,9 +202,9 @@ static gh_status full_step(gh_macro *m, gh_attempt *a) {
 /* The prescribed part of du; true when there is any. */
 static bool prescribe(gh_macro *m, const gh_attempt *a) {
   bool any = false;
-  for (int d = 0; d < m->ndof; d++) {
+  for (int d = 0; d < entries(m); d++) {
     m->du[d] = 0;
-    if (!a->to->fixed[d]) continue;
+    if (is_free(m, a, d) || !a->to->fixed[d]) continue;
     double target = a->t < 1 ? m->from[d] + a->t * (a->to->value[d] - m->from[d]) : a->to->value[d];
     m->du[d] = target - m->now.u[d];
     any = any || m->du[d] != 0;
@@ -205,7 +226,7 @@ static void report(const gh_macro *m, const gh_attempt *a, int iteration, double
 }
 
 static gh_status direction(gh_macro *m) {
-  for (int d = 0; d < m->ndof; d++) m->trial[d] = -m->residual[d];
+  for (int d = 0; d < entries(m); d++) m->trial[d] = -m->residual[d];
   gh_status status = gh_system_solve(m->system, m->trial, m->du);
   if (status != GH_DIVERGED) return status;
   char text[256] = "";
@@ -228,7 +249,7 @@ gh_status gh_newton(gh_macro *m, gh_attempt *a) {
       return gh_fail(m->ctx, GH_DIVERGED, "not converged after %d iterations", m->options.max_iterations);
     if (k > 0) {
       assemble(m, a);
-      memset(m->du, 0, (size_t)m->ndof * sizeof *m->du);
+      memset(m->du, 0, (size_t)entries(m) * sizeof *m->du);
     }
     double before = a->residual;
     GH_TRY(direction(m));
@@ -273,7 +294,7 @@ gh_status gh_follow(gh_macro *m, gh_attempt *a) {
   for (int k = 0; a->residual > limit(m, a->scale); k++) {
     if (k == MOST) return gh_fail(m->ctx, GH_DIVERGED, "no equilibrium beyond the jump after %d steps", MOST);
     assemble(m, a);
-    for (int d = 0; d < m->ndof; d++) m->du[d] = 0, m->trial[d] = -m->residual[d];
+    for (int d = 0; d < entries(m); d++) m->du[d] = 0, m->trial[d] = -m->residual[d];
     GH_TRY(gh_system_descend(m->system, m->trial, m->du));
     GH_TRY(descend(m, a, &step));
     GH_TRY(gh_farm_commit(m->farm));

@@ -13,6 +13,12 @@ static const double asymmetry = 1e-9;
 /* Estimated reciprocal condition numbers below this are singular to round-off. */
 static const double singular = 1e-15;
 
+/* A share of an entry of the whole matrix in the reduced one: at (row, col), times the turn of the nodes at
+ * turn_row and turn_col (degrees of freedom; -1: times 1). */
+typedef struct share {
+  int row, col, source, turn_row, turn_col, target;
+} share;
+
 struct gh_system {
   gh_context *ctx;
   int ndof, nfree;
@@ -21,8 +27,15 @@ struct gh_system {
   double *value;
   unsigned char *fixed;
   bool constrained;
-  int *free_start, *free_row, *source; /* the same of the free part; source: its entries in `value` */
-  int *dof;                            /* of a free column */
+  int nbodies;
+  int *owner;                          /* nnodes: the rigid body of a node, -1 for none */
+  double *turn;                        /* ndof: displacement for a unit turn of the body */
+  double *spring;                      /* of each body */
+  int *free_start, *free_row, *source; /* the same of the free part, the bodies' three last; source: its
+                                          entries in `value`, -1 where shares are added up */
+  share *shares;
+  int nshares;
+  int *dof; /* of a free column: entry of b and x */
   double *free_value, *b, *x;
   cholmod_common common;
   cholmod_factor *factor;
@@ -102,12 +115,12 @@ gh_status gh_system_create(gh_context *ctx, const gh_mesh *mesh, gh_system **sys
   s->common.final_ll = 1; /* an LDL' of an indefinite matrix would pass unnoticed */
   gh_status status;
   GH_TRY_OR(make_pattern(s, mesh), failed);
-  size_t n = (size_t)s->ndof, entries = (size_t)s->start[s->ndof];
+  size_t n = (size_t)s->ndof;
   GH_TRY_OR(gh_alloc(ctx, n, sizeof *s->fixed, &s->fixed), failed);
+  GH_TRY_OR(gh_alloc(ctx, n / 2, sizeof *s->owner, &s->owner), failed);
+  GH_TRY_OR(gh_alloc(ctx, n, sizeof *s->turn, &s->turn), failed);
+  GH_TRY_OR(gh_alloc(ctx, n, sizeof *s->spring, &s->spring), failed);
   GH_TRY_OR(gh_alloc(ctx, n + 1, sizeof *s->free_start, &s->free_start), failed);
-  GH_TRY_OR(gh_alloc(ctx, entries, sizeof *s->free_row, &s->free_row), failed);
-  GH_TRY_OR(gh_alloc(ctx, entries, sizeof *s->source, &s->source), failed);
-  GH_TRY_OR(gh_alloc(ctx, entries, sizeof *s->free_value, &s->free_value), failed);
   GH_TRY_OR(gh_alloc(ctx, n, sizeof *s->dof, &s->dof), failed);
   GH_TRY_OR(gh_alloc(ctx, n, sizeof *s->b, &s->b), failed);
   GH_TRY_OR(gh_alloc(ctx, n, sizeof *s->x, &s->x), failed);
@@ -132,6 +145,10 @@ void gh_system_destroy(gh_system **system) {
   free(s->mirror);
   free(s->value);
   free(s->fixed);
+  free(s->owner);
+  free(s->turn);
+  free(s->spring);
+  free(s->shares);
   free(s->free_start);
   free(s->free_row);
   free(s->source);
@@ -143,29 +160,119 @@ void gh_system_destroy(gh_system **system) {
   *system = NULL;
 }
 
-gh_status gh_system_constrain(gh_system *s, const unsigned char *fixed) {
-  if (s->constrained && memcmp(s->fixed, fixed, (size_t)s->ndof) == 0) return GH_OK;
-  int *place = NULL, n = 0;
-  GH_TRY(gh_alloc(s->ctx, (size_t)s->ndof, sizeof *place, &place));
+/* Unknowns that degree of freedom d hangs on: none, itself, or a displacement and the turn of its body. */
+static int unknowns_of(const gh_system *s, const int *place, int d, int unknown[2], int turn[2]) {
+  int body = s->owner[d / 2], first = s->nfree - 3 * (s->nbodies - body);
+  turn[0] = -1, turn[1] = d;
+  if (body < 0) {
+    unknown[0] = place[d];
+    return s->fixed[d] ? 0 : 1;
+  }
+  unknown[0] = first + d % 2;
+  unknown[1] = first + 2;
+  return 2;
+}
+
+/* Counts the shares of all entries that touch a body, and writes them where `list` is given. */
+static int find_shares(const gh_system *s, const int *place, share *list) {
+  int n = 0;
+  for (int c = 0; c < s->ndof; c++)
+    for (int k = s->start[c]; k < s->start[c + 1]; k++) {
+      int r = s->row[k], col[2], row[2], turn_col[2], turn_row[2];
+      if (s->owner[c / 2] < 0 && s->owner[r / 2] < 0) continue;
+      int cols = unknowns_of(s, place, c, col, turn_col), rows = unknowns_of(s, place, r, row, turn_row);
+      for (int i = 0; i < cols; i++)
+        for (int j = 0; j < rows; j++, n++)
+          if (list) list[n] = (share){row[j], col[i], k, turn_row[j], turn_col[i], 0};
+    }
+  return n;
+}
+
+static int by_place(const void *p, const void *q) {
+  const share *a = p, *b = q;
+  return a->col != b->col ? a->col - b->col : a->row != b->row ? a->row - b->row : a->source - b->source;
+}
+
+static gh_status collect_shares(gh_system *s, const int *place) {
+  free(s->shares);
+  s->shares = NULL;
+  s->nshares = s->nbodies > 0 ? find_shares(s, place, NULL) : 0;
+  if (s->nshares == 0) return GH_OK;
+  GH_TRY(gh_alloc(s->ctx, (size_t)s->nshares, sizeof *s->shares, &s->shares));
+  find_shares(s, place, s->shares);
+  qsort(s->shares, (size_t)s->nshares, sizeof *s->shares, by_place);
+  return GH_OK;
+}
+
+/* Rows of column c of the free part: those of its own degree of freedom, then those of bodies. */
+static int fill_column(gh_system *s, const int *place, int c, int n, int *next) {
+  int d = s->dof[c];
+  for (int k = d < s->ndof ? s->start[d] : 0; d < s->ndof && k < s->start[d + 1]; k++) {
+    int r = s->row[k];
+    if (s->fixed[r] || s->owner[r / 2] >= 0) continue;
+    s->free_row[n] = place[r];
+    s->source[n++] = k;
+  }
+  for (int last = -1; *next < s->nshares && s->shares[*next].col == c; ++*next) {
+    share *part = s->shares + *next;
+    if (part->row != last) {
+      s->free_row[n] = last = part->row;
+      s->source[n++] = -1;
+    }
+    part->target = n - 1;
+  }
+  return n;
+}
+
+static gh_status make_free_part(gh_system *s, const int *place) {
+  GH_TRY(collect_shares(s, place));
+  size_t most = (size_t)s->start[s->ndof] + (size_t)s->nshares;
+  free(s->free_row);
+  free(s->source);
+  free(s->free_value);
+  s->free_row = s->source = NULL;
+  s->free_value = NULL;
+  GH_TRY(gh_alloc(s->ctx, most, sizeof *s->free_row, &s->free_row));
+  GH_TRY(gh_alloc(s->ctx, most, sizeof *s->source, &s->source));
+  GH_TRY(gh_alloc(s->ctx, most, sizeof *s->free_value, &s->free_value));
+  int n = 0, next = 0;
+  for (int c = 0; c < s->nfree; c++) {
+    s->free_start[c] = n;
+    n = fill_column(s, place, c, n, &next);
+  }
+  s->free_start[s->nfree] = n;
+  return GH_OK;
+}
+
+gh_status gh_system_constrain(gh_system *s, const unsigned char *fixed, int n, const int *owner) {
+  size_t nnodes = (size_t)s->ndof / 2;
+  bool same = s->constrained && n == s->nbodies && memcmp(s->fixed, fixed, (size_t)s->ndof) == 0;
   forget_analysis(s);
+  if (same && (n == 0 || memcmp(s->owner, owner, nnodes * sizeof *owner) == 0)) return GH_OK;
+  int *place = NULL;
+  GH_TRY(gh_alloc(s->ctx, (size_t)s->ndof, sizeof *place, &place));
+  s->constrained = false;
   memcpy(s->fixed, fixed, (size_t)s->ndof);
+  for (size_t a = 0; a < nnodes; a++) s->owner[a] = n > 0 ? owner[a] : -1;
+  s->nbodies = n;
   s->nfree = 0;
   for (int d = 0; d < s->ndof; d++) {
     place[d] = s->nfree;
-    if (!fixed[d]) s->dof[s->nfree++] = d;
+    if (!fixed[d] && s->owner[d / 2] < 0) s->dof[s->nfree++] = d;
   }
-  for (int c = 0; c < s->nfree; c++) {
-    s->free_start[c] = n;
-    for (int k = s->start[s->dof[c]]; k < s->start[s->dof[c] + 1]; k++) {
-      if (fixed[s->row[k]]) continue;
-      s->free_row[n] = place[s->row[k]];
-      s->source[n++] = k;
-    }
-  }
-  s->free_start[s->nfree] = n;
-  s->constrained = true;
+  for (int k = 0; k < 3 * n; k++) s->dof[s->nfree++] = s->ndof + k;
+  gh_status status = make_free_part(s, place);
+  s->constrained = status == GH_OK;
   free(place);
-  return GH_OK;
+  return status;
+}
+
+void gh_system_turn(gh_system *s, int node, const double turn[2]) {
+  for (int i = 0; i < 2; i++) s->turn[2 * node + i] = turn[i];
+}
+
+void gh_system_spring(gh_system *s, int body, double spring) {
+  s->spring[body] = spring;
 }
 
 void gh_system_clear(gh_system *s) {
@@ -197,10 +304,11 @@ char gh_system_method(const gh_system *s) {
 
 static bool is_symmetric(const gh_system *s) {
   double largest = 0, difference = 0;
-  for (int k = 0; k < s->free_start[s->nfree]; k++) {
-    double v = s->value[s->source[k]];
-    largest = fmax(largest, fabs(v));
-    difference = fmax(difference, fabs(v - s->value[s->mirror[s->source[k]]]));
+  for (int k = 0; k < s->free_start[s->nfree] + s->nshares; k++) {
+    int end = s->free_start[s->nfree], source = k < end ? s->source[k] : s->shares[k - end].source;
+    if (source < 0) continue;
+    largest = fmax(largest, fabs(s->value[source]));
+    difference = fmax(difference, fabs(s->value[source] - s->value[s->mirror[source]]));
   }
   return difference <= asymmetry * largest;
 }
@@ -260,8 +368,26 @@ static gh_status solve_umfpack(gh_system *s) {
   return code == UMFPACK_OK ? GH_OK : umfpack_failure(s, code);
 }
 
-static void take(gh_system *s, const double *b) {
-  for (int k = 0; k < s->free_start[s->nfree]; k++) s->free_value[k] = s->value[s->source[k]];
+static double value_of(const gh_system *s, int k, bool symmetric) {
+  return symmetric ? 0.5 * (s->value[k] + s->value[s->mirror[k]]) : s->value[k];
+}
+
+/* The free part and its right-hand side. `symmetric`: of the symmetric part, which a way down needs; what
+ * friction adds against it is left out there. */
+static void take(gh_system *s, const double *b, bool symmetric) {
+  for (int k = 0; k < s->free_start[s->nfree]; k++)
+    s->free_value[k] = s->source[k] < 0 ? 0 : value_of(s, s->source[k], symmetric);
+  for (int k = 0; k < s->nshares; k++) {
+    const share *part = s->shares + k;
+    double factor = (part->turn_row < 0 ? 1 : s->turn[part->turn_row]) *
+                    (part->turn_col < 0 ? 1 : s->turn[part->turn_col]);
+    s->free_value[part->target] += factor * value_of(s, part->source, symmetric);
+  }
+  for (int k = 0; k < s->nbodies; k++) {
+    int c = s->nfree - 3 * (s->nbodies - k) + 2, at = s->free_start[c];
+    while (s->free_row[at] != c) at++;
+    s->free_value[at] += s->spring[k];
+  }
   for (int c = 0; c < s->nfree; c++) s->b[c] = b[s->dof[c]];
 }
 
@@ -271,18 +397,11 @@ static void shift_diagonal(gh_system *s, double shift) {
       if (s->free_row[k] == c) s->free_value[k] += shift;
 }
 
-/* A way down needs a symmetric matrix: what friction adds against it is left out here. */
-static void symmetrise(gh_system *s) {
-  for (int k = 0; k < s->free_start[s->nfree]; k++)
-    s->free_value[k] = 0.5 * (s->value[s->source[k]] + s->value[s->mirror[s->source[k]]]);
-}
-
 gh_status gh_system_descend(gh_system *s, const double *b, double *x) {
   enum { SHIFTS = 40 };
   if (s->nfree == 0) return GH_OK;
   double added = 0, shift = 0, first = 1e-3 * gh_system_diagonal(s) / sqrt((double)s->ndof);
-  take(s, b);
-  symmetrise(s);
+  take(s, b, true);
   s->method = 'c';
   for (int k = 0; k < SHIFTS; k++) {
     shift_diagonal(s, shift - added);
@@ -298,7 +417,7 @@ gh_status gh_system_descend(gh_system *s, const double *b, double *x) {
 
 gh_status gh_system_solve(gh_system *s, const double *b, double *x) {
   if (s->nfree == 0) return GH_OK;
-  take(s, b);
+  take(s, b, false);
   gh_status status = GH_DIVERGED;
   if (is_symmetric(s)) {
     s->method = 'c';

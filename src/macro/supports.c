@@ -16,15 +16,21 @@ static int find_root(int *parent, int a) {
   return a;
 }
 
+static void join(int *parent, int a, int b) {
+  a = find_root(parent, a);
+  b = find_root(parent, b);
+  if (a < b) parent[b] = a;
+  else parent[a] = b;
+}
+
 /* parent[a] becomes the lowest node of the body that node a belongs to. */
-static void connect(const gh_mesh *mesh, int *parent) {
+static void connect(const gh_mesh *mesh, int nfootings, const gh_footing *footing, int *parent) {
   for (int a = 0; a < mesh->nnodes; a++) parent[a] = a;
   for (int e = 0; e < mesh->nelements; e++)
-    for (int k = 1; k < 4; k++) {
-      int a = find_root(parent, mesh->quad[e][0]), b = find_root(parent, mesh->quad[e][k]);
-      if (a < b) parent[b] = a;
-      else parent[a] = b;
-    }
+    for (int k = 1; k < 4; k++) join(parent, mesh->quad[e][0], mesh->quad[e][k]);
+  for (int f = 0; f < nfootings; f++)
+    for (int k = 1; k < footing[f].set->nnodes; k++)
+      join(parent, footing[f].set->nodes[0], footing[f].set->nodes[k]);
   for (int a = 0; a < mesh->nnodes; a++) parent[a] = find_root(parent, a);
 }
 
@@ -61,13 +67,14 @@ static const char *freedom(const double g[3][3]) {
   return rest <= 1e-12 * (g[0][0] + g[1][1]) ? "to turn" : NULL;
 }
 
-gh_status gh_supports_check(gh_context *ctx, const gh_mesh *mesh, const unsigned char *fixed) {
+gh_status gh_supports_check(gh_context *ctx, const gh_mesh *mesh, const unsigned char *fixed, int nfootings,
+                            const gh_footing *footing) {
   int *parent = NULL;
   body *bodies = NULL;
   gh_status status;
   GH_TRY_OR(gh_alloc(ctx, (size_t)mesh->nnodes, sizeof *parent, &parent), done);
   GH_TRY_OR(gh_alloc(ctx, (size_t)mesh->nnodes, sizeof *bodies, &bodies), done);
-  connect(mesh, parent);
+  connect(mesh, nfootings, footing, parent);
   gather(mesh, fixed, parent, bodies);
   for (int a = 0; a < mesh->nnodes && status == GH_OK; a++) {
     const char *what = parent[a] == a ? freedom((const double(*)[3])bodies[a].gram) : NULL;

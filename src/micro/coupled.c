@@ -37,23 +37,6 @@ void gh_coupled_destroy(gh_coupled **coupled) {
 
 /* ---- numbering and pattern ---- */
 
-static int root_of(int *parent, int i) {
-  while (parent[i] != i) {
-    parent[i] = parent[parent[i]];
-    i = parent[i];
-  }
-  return i;
-}
-
-/* Groups of members that hang together: group[i] is the first member of the group of i, at last. */
-static void find_groups(int members, const gh_contact_list *list, int *group) {
-  for (int i = 0; i < members; i++) group[i] = i;
-  for (int c = 0; c < list->count; c++) {
-    int i = root_of(group, list->contacts[c].i), j = root_of(group, list->contacts[c].j);
-    group[i > j ? i : j] = i > j ? j : i;
-  }
-}
-
 static void number_unknowns(gh_coupled *s, const unsigned char *held, const unsigned char *loose, bool turns,
                             const int *group) {
   s->n = 0;
@@ -126,7 +109,9 @@ gh_status gh_coupled_number(gh_context *ctx, gh_coupled *s, const unsigned char 
   size_t blocks = 2 * (size_t)list->count + (size_t)s->members;
   GH_TRY(gh_grow(ctx, blocks + 1, sizeof(int), &s->neighbour_capacity, &s->neighbour));
   GH_TRY(gh_grow(ctx, blocks + 1, sizeof(int), &s->row_capacity, &s->row));
-  if (pin) find_groups(s->members, list, s->neighbour); /* free for use until the pattern is made */
+  if (pin)
+    gh_find_groups(s->members, list->contacts, list->count, NULL,
+                   s->neighbour); /* free for use until the pattern is made */
   number_unknowns(s, held, loose, turns, pin ? s->neighbour : NULL);
   list_neighbours(s, list);
   GH_TRY(make_pattern(ctx, s));

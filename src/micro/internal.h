@@ -40,6 +40,11 @@ gh_status gh_stiffness_factorise(gh_context *ctx, gh_stiffness *s, const unsigne
  * next solve. */
 gh_status gh_stiffness_solve(gh_context *ctx, gh_stiffness *s, int ncol, const double **X);
 
+/* Groups of grains that hang together by contacts, without those that are marked (NULL: all count): the first
+ * grain of a group, and it alone, has group[i] == i. */
+void gh_find_groups(int n, const gh_contact *contacts, int ncontacts, const unsigned char *without,
+                    int *group);
+
 /* ---- the same with friction: positions and rotations, unsymmetric, LU by KLU ---- */
 
 typedef struct gh_coupled {

@@ -237,6 +237,10 @@ gh_status gh_rve_revert(gh_rve *r) {
   return GH_OK;
 }
 
+const double *gh_rve_F(const gh_rve *r) {
+  return r->Fn;
+}
+
 const gh_rve_measures *gh_rve_measure(const gh_rve *r) {
   return &r->m;
 }

@@ -35,8 +35,7 @@ void gh_stiffness_destroy(gh_stiffness **stiffness) {
   *stiffness = NULL;
 }
 
-/* Root of a grain in the forest of grains that hang together (active holds parents, -1 - number once
- * numbered). */
+/* Root of a grain in the forest of grains that hang together. */
 static int root_of(int *parent, int i) {
   while (parent[i] != i) {
     parent[i] = parent[parent[i]];
@@ -45,21 +44,24 @@ static int root_of(int *parent, int i) {
   return i;
 }
 
+void gh_find_groups(int n, const gh_contact *contacts, int ncontacts, const unsigned char *without,
+                    int *group) {
+  for (int i = 0; i < n; i++) group[i] = i;
+  for (int c = 0; c < ncontacts; c++) {
+    int i = contacts[c].i, j = contacts[c].j;
+    if (without && (without[i] || without[j])) continue;
+    i = root_of(group, i), j = root_of(group, j);
+    group[i > j ? i : j] = i > j ? j : i; /* the root is the first grain of its group */
+  }
+}
+
 gh_status gh_stiffness_number(gh_context *ctx, gh_stiffness *s, int n, const unsigned char *held,
                               const unsigned char *rattler, const gh_contact *contacts, int ncontacts,
                               bool pin) {
   int *a = s->active;
   GH_TRY(gh_grow(ctx, 2 * (size_t)n + 2, sizeof(int), &s->diagonal_capacity, &s->diagonal));
   int *group = s->diagonal; /* free for use until the pattern is made */
-  if (pin) {
-    for (int i = 0; i < n; i++) group[i] = i;
-    for (int c = 0; c < ncontacts; c++) {
-      int i = contacts[c].i, j = contacts[c].j;
-      if (rattler[i] || rattler[j]) continue;
-      i = root_of(group, i), j = root_of(group, j);
-      group[i > j ? i : j] = i > j ? j : i; /* the root is the first grain of its group */
-    }
-  }
+  if (pin) gh_find_groups(n, contacts, ncontacts, rattler, group);
   s->nactive = 0;
   for (int i = 0; i < n; i++) {
     bool pinned = pin && group[i] == i;

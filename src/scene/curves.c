@@ -64,112 +64,17 @@ static gh_status drawing_end(gh_context *ctx, drawing *d, const char *png, gh_st
   return status;
 }
 
-/* ---- history.csv: names of steps make it no table of numbers, so it has its own small reader ---- */
-
-typedef struct history {
-  char **line; /* rows as they are */
-  char *header;
-  int nrows;
-} history;
-
-static void history_free(history *h) {
-  for (int k = 0; k < h->nrows; k++) free(h->line[k]);
-  free(h->line);
-  free(h->header);
-}
-
-static gh_status history_read(gh_context *ctx, const char *folder, history *h) {
-  char *path = gh_path_join(folder, "history.csv"), *line = NULL;
-  size_t size = 0, capacity = 0;
-  gh_status status = GH_OK;
-  *h = (history){0};
-  FILE *file = path ? fopen(path, "r") : NULL;
-  if (!file) status = gh_fail(ctx, path ? GH_INPUT : GH_MEMORY, "%s/history.csv: cannot be opened", folder);
-  while (status == GH_OK && getline(&line, &size, file) > 0) {
-    line[strcspn(line, "\r\n")] = 0;
-    if (h->header) status = gh_grow(ctx, (size_t)h->nrows + 1, sizeof *h->line, &capacity, &h->line);
-    char *copy = strdup(line);
-    if (status == GH_OK && !copy) status = gh_fail(ctx, GH_MEMORY, "no memory for a line");
-    if (status != GH_OK) free(copy);
-    else if (h->header) h->line[h->nrows++] = copy;
-    else h->header = copy;
-  }
-  if (status == GH_OK && h->nrows == 0) status = gh_fail(ctx, GH_INPUT, "%s: holds no increment", path);
-  free(line);
-  if (file) fclose(file);
-  free(path);
-  return status;
-}
-
-static int column(const char *header, const char *name) {
-  size_t length = strlen(name);
-  for (int k = 0;; k++) {
-    if (strncmp(header, name, length) == 0 && (header[length] == ',' || header[length] == 0)) return k;
-    header = strchr(header, ',');
-    if (!header) return -1;
-    header++;
-  }
-}
-
-static double field(const char *line, int column_index) {
-  for (int k = 0; k < column_index && line; k++) {
-    line = strchr(line, ',');
-    if (line) line++;
-  }
-  return line && column_index >= 0 ? strtod(line, NULL) : NAN;
-}
-
 /* ---- curves.png ---- */
 
-/* Which columns are drawn, and from which row on. */
-typedef struct choice {
-  int x, force, dilatancy, first;
-  bool driven;
-  double sign; /* -1 where the set is driven against its axis */
-  char x_label[200], force_label[256];
-} choice;
-
-static gh_status choose(gh_context *ctx, const history *h, const scene_labels *l, choice *c) {
-  char name[128], unit[80] = "", force_unit[80] = "";
-  if (*l->length) snprintf(unit, sizeof unit, " (%s)", l->length);
-  if (*l->force) snprintf(force_unit, sizeof force_unit, " (%s)", l->force);
-  snprintf(name, sizeof name, "u%c_%s", l->driven_direction, l->driven_set);
-  c->x = *l->driven_set ? column(h->header, name) : -1;
-  c->driven = c->x >= 0;
-  c->sign = c->driven && field(h->line[h->nrows - 1], c->x) < 0 ? -1 : 1;
-  if (c->driven) {
-    snprintf(c->x_label, sizeof c->x_label, "displacement of %s in %s%c%s", l->driven_set,
-             c->sign < 0 ? "-" : "", l->driven_direction, unit);
-    snprintf(name, sizeof name, "%s_%c", l->driven_set, l->driven_direction);
-  } else {
-    c->x = column(h->header, "time");
-    snprintf(c->x_label, sizeof c->x_label, "load steps");
-    snprintf(name, sizeof name, "bottom_y");
-  }
-  c->force = column(h->header, name);
-  snprintf(c->force_label, sizeof c->force_label, "support force on %.*s in %c%s", (int)strlen(name) - 2,
-           name, name[strlen(name) - 1], force_unit);
-  c->dilatancy = column(h->header, "dilatancy");
-  if (c->x < 0 || c->dilatancy < 0)
-    return gh_fail(ctx, GH_INPUT, "history.csv lacks the columns to draw (time, dilatancy)");
-  /* the row before the driven set first moves */
-  for (int k = 1; c->driven && k < h->nrows; k++) {
-    double now = field(h->line[k], c->x), before = field(h->line[k - 1], c->x);
-    if (isfinite(now) && isfinite(before) && now != before) break;
-    c->first = k < h->nrows - 1 ? k : 0;
-  }
-  return GH_OK;
-}
-
-static void write_data(FILE *out, const history *h, const choice *c) {
+static void write_data(FILE *out, const scene_table *h, const scene_curve *c) {
   fprintf(out, "$data << EOD\n");
   for (int k = c->first; k < h->nrows; k++)
-    fprintf(out, "%.17g %.17g %.17g\n", c->sign * field(h->line[k], c->x), fabs(field(h->line[k], c->force)),
-            field(h->line[k], c->dilatancy));
+    fprintf(out, "%.17g %.17g %.17g\n", c->sign * scene_table_number(h, k, c->x),
+            fabs(scene_table_number(h, k, c->force)), scene_table_number(h, k, c->dilatancy));
   fprintf(out, "EOD\n");
 }
 
-static void write_curves(FILE *out, const history *h, const choice *c, const scene_labels *l) {
+static void write_curves(FILE *out, const scene_table *h, const scene_curve *c, const scene_labels *l) {
   bool two = c->force >= 0;
   write_data(out, h, c);
   fprintf(out, "set multiplot layout %d,1 title ", two ? 2 : 1);
@@ -187,17 +92,17 @@ static void write_curves(FILE *out, const history *h, const choice *c, const sce
 }
 
 gh_status gh_picture_curves(gh_context *ctx, const char *folder, const char *png) {
-  history h;
+  scene_table h;
   scene_labels l;
-  choice c = {0};
+  scene_curve c = {0};
   drawing d = {0};
   GH_TRY(scene_labels_read(ctx, folder, &l));
-  gh_status status = history_read(ctx, folder, &h);
-  if (status == GH_OK) status = choose(ctx, &h, &l, &c);
+  gh_status status = scene_table_read(ctx, folder, "history.csv", &h);
+  if (status == GH_OK) status = scene_curve_choose(ctx, &h, &l, &c);
   if (status == GH_OK) status = drawing_begin(ctx, png, 800, 900, &d);
   if (status == GH_OK) write_curves(d.out, &h, &c, &l);
   status = drawing_end(ctx, &d, png, status);
-  history_free(&h);
+  scene_table_free(&h);
   return status;
 }
 
@@ -253,4 +158,13 @@ gh_status gh_picture_convergence(gh_context *ctx, const char *folder, const char
   gh_csv_destroy(&csv);
   free(path);
   return status;
+}
+
+/* ---- drawings of others ---- */
+
+gh_status gh_picture_script(gh_context *ctx, const char *commands, int width, int height, const char *png) {
+  drawing d = {0};
+  gh_status status = drawing_begin(ctx, png, width, height, &d);
+  if (status == GH_OK) fputs(commands, d.out);
+  return drawing_end(ctx, &d, png, status);
 }

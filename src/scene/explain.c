@@ -39,6 +39,41 @@ static void explain_left_out(const gh_scene *s, bool relaxes, bool turns, gh_tex
   gh_text_print(out, "%s\n", *join ? "" : "nothing");
 }
 
+static void explain_packings(const gh_scene *s, gh_text *out) {
+  enum { SHOWN = 12 };
+  int points = 4 * s->mesh->nelements;
+  if (s->npackings == 1) {
+    gh_text_print(out, "material points   %d, each a packing of %d grains (%s)\n", points, s->packings[0]->n,
+                  s->packing_paths[0]);
+  } else {
+    gh_text_print(out, "material points   %d, of %d packings ", points, s->npackings);
+    if (s->packing_drawn) gh_text_print(out, "drawn by the seed %ld\n", s->packing_seed);
+    else gh_text_print(out, "in turn\n");
+    for (int k = 0; k < s->npackings && k < SHOWN; k++)
+      gh_text_print(out, "                  %d of %d grains (%s)\n", scene_packing_points(s, k),
+                    s->packings[k]->n, s->packing_paths[k]);
+    if (s->npackings > SHOWN) gh_text_print(out, "                  ... and %d more\n", s->npackings - SHOWN);
+  }
+}
+
+/* Which points are one RVE in the beginning: those with the same packing. */
+static void explain_sharing(const gh_scene *s, gh_text *out) {
+  int points = 4 * s->mesh->nelements, groups = 0;
+  for (int k = 0; k < s->npackings; k++) groups += scene_packing_points(s, k) > 0;
+  if (!s->no_share)
+    gh_text_print(out,
+                  "sharing           the %d points begin as %d different RVEs; points stay together while "
+                  "their F agree to the bit\n",
+                  points, groups);
+  else gh_text_print(out, "sharing           none: each of the %d points is computed\n", points);
+  if (s->resident > 0)
+    gh_text_print(out, "memory            at most %d RVEs kept ready on a rank, other states swapped\n",
+                  s->resident);
+  else
+    gh_text_print(out, "memory            RVEs kept ready on a rank up to %.0f MB, other states swapped\n",
+                  GH_FARM_BYTES / 1e6);
+}
+
 static void explain_micro(const gh_scene *s, gh_text *out) {
   static const char *const meaning[] = {
       [GH_TAYLOR] = "every grain follows F: no relaxation, the tangent is a sum over contacts",
@@ -49,8 +84,7 @@ static void explain_micro(const gh_scene *s, gh_text *out) {
       [GH_PERIODIC] = "the cell follows F, all its grains are relaxed; tangent by condensation of all grains "
                       "onto the cell"};
   bool relaxes = s->micro.boundary == GH_RESTRICTED || s->micro.boundary == GH_PERIODIC;
-  gh_text_print(out, "material points   %d, each a packing of %d grains (%s)\n", 4 * s->mesh->nelements,
-                s->packing->n, s->packing_path);
+  explain_packings(s, out);
   gh_text_print(out, "boundary          %s: %s\n", gh_boundary_name(s->micro.boundary),
                 meaning[s->micro.boundary]);
   bool turns = s->micro.law.friction && !s->micro.law.fixed_rotations;
@@ -97,10 +131,16 @@ void gh_scene_explain(const gh_scene *s, gh_text *out) {
                 "mesh              %d bilinear quadrilaterals with 2 x 2 Gauss points, %d nodes, %d sets\n",
                 s->mesh->nelements, s->mesh->nnodes, s->nsets);
   explain_micro(s, out);
+  explain_sharing(s, out);
   explain_solver(s, out);
   explain_start(s, out);
-  for (int k = 0; k < s->nsteps; k++)
-    gh_text_print(out, "step %-12d %s: %d increments\n", k + 1, s->steps[k].name, s->steps[k].increments);
+  for (int k = 0; k < s->nsteps; k++) {
+    const scene_step *step = s->steps + k;
+    gh_text_print(out, "step %-12d %s: %d increments", k + 1, step->name, step->increments);
+    for (int j = 0; j < step->nfootings; j++)
+      gh_text_print(out, "; rigid footing on '%s'", s->mesh->sets[step->footings[j].set].name);
+    gh_text_print(out, "\n");
+  }
 }
 
 void gh_summary_print(const gh_run_summary *m, const char *folder, gh_text *out) {
@@ -116,5 +156,16 @@ void gh_summary_print(const gh_run_summary *m, const char *folder, gh_text *out)
                 "%.1f), %.1f s results\n",
                 m->seconds, m->micro_seconds, m->cost.relax, m->cost.contacts, m->cost.factorise,
                 fmax(rest, 0), m->results_seconds);
+  if (m->farm.evaluations > 0)
+    gh_text_print(
+        out,
+        "%d ranks; of %ld evaluations of points %ld were computed (%.0f %% shared), %ld states moved "
+        "between ranks; at the end %d different RVEs at %d points\n",
+        m->farm.ranks, m->farm.evaluations, m->farm.computed,
+        100 * (1 - (double)m->farm.computed / (double)m->farm.evaluations), m->farm.moved, m->farm.states,
+        m->points);
+  if (m->farm.ranks > 1 && m->farm.longest > 0)
+    gh_text_print(out, "ranks were busy for %.0f %% of the time that the busiest one took in each evaluation\n",
+                  100 * m->farm.busy / (m->farm.ranks * m->farm.longest));
   gh_text_print(out, "results in %s\n", folder);
 }

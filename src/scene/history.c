@@ -1,4 +1,5 @@
-/* history.csv and convergence.csv: one row per increment, one per residual.
+/* history.csv and timing.csv: one row per increment; convergence.csv: one per residual. What depends on the
+ * machine or on chance stands in the latter two: history.csv is the same whenever the scene is.
  * SPDX-License-Identifier: GPL-2.0-or-later */
 #include "scene/results.h"
 
@@ -34,6 +35,27 @@ static bool forced(const gh_scene *s, int set) {
   return false;
 }
 
+static bool founded(const gh_scene *s, int set) {
+  for (int k = 0; k < s->nsteps; k++)
+    for (int j = 0; j < s->steps[k].nfootings; j++)
+      if (s->steps[k].footings[j].set == set) return true;
+  return false;
+}
+
+/* Writes the header (frame NULL) or how footings have moved. */
+static void history_footings(scene_results *r, const scene_frame *frame) {
+  const gh_mesh *mesh = r->scene->mesh;
+  char name[64];
+  for (int set = 0; set < r->scene->nsets; set++) {
+    if (!founded(r->scene, set)) continue;
+    double u[2], turn;
+    scene_column(mesh, set, name);
+    gh_macro_footing(r->macro, set, u, &turn);
+    if (frame) gh_text_print(r->history, ",%.17g,%.17g,%.17g", u[0], u[1], turn);
+    else gh_text_print(r->history, ",footing_ux_%s,footing_uy_%s,footing_turn_%s", name, name, name);
+  }
+}
+
 /* Writes the header (frame NULL) or the loads of a row: one list of columns for both. */
 static void history_loads(scene_results *r, const scene_frame *frame) {
   const gh_scene *s = r->scene;
@@ -49,6 +71,9 @@ static void history_loads(scene_results *r, const scene_frame *frame) {
         frame ? gh_text_print(t, ",%.17g", load.displacement[i]) : gh_text_print(t, ",u%c_%s", "xy"[i], name);
       if (forced(s, set))
         frame ? gh_text_print(t, ",%.17g", load.force[i]) : gh_text_print(t, ",f%c_%s", "xy"[i], name);
+      double footing = s->present.footing[set].force[i].now + s->present.footing[set].old[i].now;
+      if (founded(s, set))
+        frame ? gh_text_print(t, ",%.17g", footing) : gh_text_print(t, ",footing_f%c_%s", "xy"[i], name);
     }
   }
   double b[2];
@@ -64,9 +89,9 @@ void scene_history_header(scene_results *r) {
     scene_column(r->scene->mesh, set, name);
     gh_text_print(r->history, ",%s_x,%s_y", name, name);
   }
-  gh_text_print(
-      r->history,
-      ",dilatancy,iterations,substeps,cuts,jumps,unjammed,min_acoustic,residual,micro_seconds,seconds\n");
+  history_footings(r, NULL);
+  gh_text_print(r->history, ",dilatancy,iterations,substeps,cuts,jumps,unjammed,min_acoustic,residual,"
+                            "micro_evaluations,micro_steps,micro_factorisations\n");
 }
 
 void scene_history_row(scene_results *r, const scene_frame *f) {
@@ -81,12 +106,20 @@ void scene_history_row(scene_results *r, const scene_frame *f) {
     gh_macro_reaction(r->macro, set, sum);
     gh_text_print(t, ",%.17g,%.17g", sum[0], sum[1]);
   }
+  history_footings(r, f);
   double V, v;
   const gh_macro_report *m = f->report;
   gh_macro_volumes(r->macro, &V, &v);
-  gh_text_print(t, ",%.17g,%d,%d,%d,%d,%d,%.17g,%.17g,%.17g,%.17g\n", 100 * (v / V - 1), m->iterations,
-                m->substeps, m->cuts, m->jumps, r->unjammed, r->min_acoustic, m->relative, m->micro_seconds,
-                m->seconds);
+  gh_farm_counts now, *before = &r->counted;
+  gh_farm_count(r->farm, &now);
+  gh_text_print(t, ",%.17g,%d,%d,%d,%d,%d,%.17g,%.17g,%ld,%ld,%ld\n", 100 * (v / V - 1), m->iterations,
+                m->substeps, m->cuts, m->jumps, r->unjammed, r->min_acoustic, m->relative,
+                now.evaluations - before->evaluations, now.steps - before->steps,
+                now.factorisations - before->factorisations);
+  gh_text_print(r->timing, "%d,%.17g,%.17g,%ld,%ld,%ld,%d\n", f->counter, m->seconds, m->micro_seconds,
+                now.evaluations - before->evaluations, now.computed - before->computed,
+                now.moved - before->moved, now.ranks);
+  r->counted = now;
 }
 
 void scene_results_iteration(scene_results *r, int counter, const gh_macro_iteration *it) {

@@ -24,14 +24,20 @@ typedef struct scene_force {
   double from[2], to[2];
 } scene_force;
 
+typedef struct scene_footing {
+  int set, line;
+  double at[2], from[2], to[2];
+} scene_footing;
+
 typedef struct scene_step {
   char *name;
   int increments, line;
-  int nsupports, nreleases, npressures, ndisplaces, nforces;
+  int nsupports, nreleases, npressures, ndisplaces, nforces, nfootings;
   scene_fix *supports, *releases;
   scene_pressure *pressures;
   scene_displace *displaces;
   scene_force *forces;
+  scene_footing *footings;
   bool gravity;
   double gravity_from[2], gravity_to[2];
 } scene_step;
@@ -41,11 +47,20 @@ typedef struct scene_ramp {
   double from, to, now;
 } scene_ramp;
 
+/* A footing that stands: its force at `at`, and what an earlier step has left at another point and fades. */
+typedef struct scene_standing {
+  bool stands;
+  int line;
+  double at[2], old_at[2];
+  scene_ramp force[2], old[2];
+} scene_standing;
+
 /* What acts: the plan's memory from step to step (program.c). */
 typedef struct scene_present {
-  scene_ramp *pressure;   /* nsets */
-  bool *follow;           /* nsets */
-  scene_ramp (*force)[2]; /* nsets */
+  scene_ramp *pressure;    /* nsets */
+  bool *follow;            /* nsets */
+  scene_ramp (*force)[2];  /* nsets */
+  scene_standing *footing; /* nsets */
   scene_ramp gravity[2];
   scene_ramp *u;       /* 2 nnodes, where held */
   bool *held, *driven; /* 2 nnodes; driven: by a `displace` of this step or of one before */
@@ -56,11 +71,17 @@ typedef enum scene_start { SCENE_START_NONE, SCENE_START_CONFINEMENT, SCENE_STAR
 struct gh_scene {
   gh_context *ctx;
   char *path, *text, *title, *length_unit, *force_unit;
-  char *packing_path;
-  gh_packing *packing;
+  int npackings; /* different files */
+  char **packing_paths;
+  gh_packing **packings;
+  int *packing_of;    /* 4 nelements: packing of each integration point */
+  bool packing_drawn; /* by the seed */
+  long packing_seed;
   gh_mesh *mesh;
   int nsets; /* of the mesh as the user knows it; behind these comes one set per node (program.c) */
   gh_rve_options micro;
+  bool no_share;
+  int resident; /* RVEs kept ready on a rank; 0: by memory */
   gh_macro_options solver;
   scene_start start;
   int start_line;
@@ -72,10 +93,16 @@ struct gh_scene {
   scene_step *steps;
   int nrves; /* material points to record; -1: all, -2: all if they are few */
   int *rves;
+  int ndumps, *dumps; /* material points to dump; -1: all */
+  int dump_every;     /* increments */
   scene_present present;
 };
 
 enum { SCENE_ALL_RVES = -1, SCENE_FEW_RVES = -2, SCENE_FEW = 64 };
+
+/* packings.c */
+int scene_packing_points(const gh_scene *scene, int packing); /* at how many integration points it is */
+void scene_packings_destroy(gh_scene *scene);
 
 /* program.c */
 gh_status scene_program_create(gh_scene *scene);
@@ -119,16 +146,19 @@ int scene_results_unjammed(const scene_results *r, double *min_acoustic);
 
 /* measures.c: what is derived from stresses */
 double scene_mises(const double cauchy[4]);
+/* Which corner of element e the Gauss point at x belongs to. */
+int scene_gauss_corner(const gh_mesh *mesh, int e, const double x[2]);
+/* points: npoints x cols. nodes: nnodes x cols, extrapolated to the corners of the elements and averaged over
+ * the elements. */
+gh_status scene_nodal_average(gh_context *ctx, const gh_mesh *mesh, int cols, const double *points,
+                              double *nodes);
 /* cauchy: npoints x 4. nodes: nnodes, from stresses extrapolated to the corners and averaged over the
  * elements. */
 gh_status scene_nodal_mises(gh_context *ctx, const gh_mesh *mesh, const double *cauchy, double *nodes);
 void scene_cell_average(int nelements, int cols, const double *points, double *cells);
 
-/* record.c: run.json; xdmf.c: results.xdmf */
+/* record.c: run.json */
 char *scene_run_json(const gh_scene *scene, const gh_farm *farm, const char *started, const char *status,
                      const char *message, const gh_run_summary *summary);
-void scene_xdmf_begin(gh_text *out);
-void scene_xdmf_step(gh_text *out, const gh_mesh *mesh, const scene_frame *frame);
-void scene_xdmf_end(gh_text *out);
 
 #endif

@@ -26,8 +26,7 @@ static double shape(int a, double r, double s) {
   return 0.25 * (1 + corner[a][0] * r) * (1 + corner[a][1] * s);
 }
 
-/* Which corner of the element the Gauss point at x belongs to. */
-static int corner_of(const gh_mesh *mesh, int e, const double x[2]) {
+int scene_gauss_corner(const gh_mesh *mesh, int e, const double x[2]) {
   int best = 0;
   double least = INFINITY;
   for (int c = 0; c < 4; c++) {
@@ -41,32 +40,40 @@ static int corner_of(const gh_mesh *mesh, int e, const double x[2]) {
   return best;
 }
 
-gh_status scene_nodal_mises(gh_context *ctx, const gh_mesh *mesh, const double *cauchy, double *nodes) {
-  double *gauss = NULL, *sum = NULL;
-  size_t nnodes = (size_t)mesh->nnodes;
+gh_status scene_nodal_average(gh_context *ctx, const gh_mesh *mesh, int cols, const double *points,
+                              double *nodes) {
+  double *gauss = NULL, *weights = NULL;
+  size_t nnodes = (size_t)mesh->nnodes, n = (size_t)cols;
   gh_status status;
   GH_TRY_OR(gh_alloc(ctx, 8 * (size_t)mesh->nelements, sizeof *gauss, &gauss), done);
-  GH_TRY_OR(gh_alloc(ctx, 5 * nnodes, sizeof *sum, &sum), done); /* stress and number of elements */
+  GH_TRY_OR(gh_alloc(ctx, nnodes, sizeof *weights, &weights), done); /* number of elements */
   gh_mesh_gauss(mesh, gauss);
+  memset(nodes, 0, n * nnodes * sizeof *nodes);
   for (int e = 0; e < mesh->nelements; e++)
     for (int g = 0; g < 4; g++) {
-      int c = corner_of(mesh, e, gauss + 2 * (4 * e + g));
+      size_t p = 4 * (size_t)e + (size_t)g;
+      int c = scene_gauss_corner(mesh, e, gauss + 2 * p);
       for (int a = 0; a < 4;
            a++) { /* extrapolate: the Gauss points are the corners of a square of half size 1/sqrt(3) */
-        double weight = shape(c, sqrt(3) * corner[a][0], sqrt(3) * corner[a][1]),
-               *at = sum + 5 * mesh->quad[e][a];
-        for (int k = 0; k < 4; k++) at[k] += weight * cauchy[4 * (4 * e + g) + k];
-        at[4] += 0.25;
+        double weight = shape(c, sqrt(3) * corner[a][0], sqrt(3) * corner[a][1]);
+        size_t node = (size_t)mesh->quad[e][a];
+        for (size_t k = 0; k < n; k++) nodes[n * node + k] += weight * points[n * p + k];
+        weights[node] += 0.25;
       }
     }
-  for (size_t n = 0; n < nnodes; n++) {
-    double s[4];
-    for (int k = 0; k < 4; k++) s[k] = sum[5 * n + k] / fmax(sum[5 * n + 4], 1);
-    nodes[n] = scene_mises(s);
-  }
+  for (size_t k = 0; k < n * nnodes; k++) nodes[k] /= fmax(weights[k / n], 1);
   status = GH_OK;
 done:
   free(gauss);
-  free(sum);
+  free(weights);
+  return status;
+}
+
+gh_status scene_nodal_mises(gh_context *ctx, const gh_mesh *mesh, const double *cauchy, double *nodes) {
+  double *stress;
+  GH_TRY(gh_alloc(ctx, 4 * (size_t)mesh->nnodes, sizeof *stress, &stress));
+  gh_status status = scene_nodal_average(ctx, mesh, 4, cauchy, stress);
+  for (int n = 0; n < mesh->nnodes && status == GH_OK; n++) nodes[n] = scene_mises(stress + 4 * n);
+  free(stress);
   return status;
 }

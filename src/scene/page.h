@@ -64,6 +64,50 @@ typedef struct scene_labels {
   int points;
 } scene_labels;
 gh_status scene_labels_read(gh_context *ctx, const char *folder, scene_labels *labels);
+/* ---- table.c: history.csv ---- */
+
+typedef struct scene_table {
+  int nrows, ncols;
+  char **name; /* ncols */
+  char **cell; /* nrows x ncols, as they are in the file */
+  char *text;  /* what they point into */
+} scene_table;
+/* GH_INPUT with file and line: missing, a line with too few or too many fields, a last line that is cut, no
+ * row. */
+gh_status scene_table_read(gh_context *ctx, const char *folder, const char *file, scene_table *table);
+void scene_table_free(scene_table *table);
+int scene_table_column(const scene_table *table, const char *name);          /* -1: there is none */
+const char *scene_table_text(const scene_table *table, int row, int column); /* "" for column -1 */
+double scene_table_number(const scene_table *table, int row, int column);    /* NAN: it is none */
+
+/* Which columns of history.csv are drawn, and from which row on. */
+typedef struct scene_curve {
+  int x, force, dilatancy, first; /* columns; force -1: there is none */
+  bool driven;
+  double sign; /* -1 where the set is driven against its axis */
+  char x_label[200], force_label[256];
+} scene_curve;
+gh_status scene_curve_choose(gh_context *ctx, const scene_table *history, const scene_labels *labels,
+                             scene_curve *curve);
+
+/* ---- picture_rve.c: what rves.h5 holds of a point ---- */
+
+typedef struct scene_rve {
+  int point, step, periodic;
+  size_t n, ncontacts;
+  double *x, *radius, *contact; /* contact: branch and force, ncontacts x 4 */
+  int *flags, *pairs, *sliding; /* sliding: ncontacts, NULL without friction */
+  double cell[4], low[2], cauchy[4];
+} scene_rve;
+bool scene_rve_recorded(gh_h5 *file, int point);
+/* GH_INPUT: missing or damaged. To be freed also then. */
+gh_status scene_rve_read(gh_context *ctx, gh_h5 *file, int point, scene_rve *rve);
+void scene_rve_free(scene_rve *rve);
+/* The shift that brings x into the cell; zero for clusters. */
+void scene_rve_home(const scene_rve *rve, const double *x, double shift[2]);
+
+/* ---- HDF5 ---- */
+
 gh_status scene_open_h5(gh_context *ctx, const char *folder, const char *name, gh_h5 **file);
 /* A dataset of any number of rows; the caller frees. */
 gh_status scene_get_doubles(gh_context *ctx, gh_h5 *file, const char *name, size_t *rows, size_t cols,

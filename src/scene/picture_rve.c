@@ -4,20 +4,51 @@
 #include <stdlib.h>
 #include <string.h>
 
-typedef struct rve_data {
-  int point, step, periodic;
-  size_t n, ncontacts;
-  double *x, *radius, *contact; /* contact: branch and force, ncontacts x 4 */
-  int *flags, *pairs;
-  double cell[4], low[2], cauchy[4];
-} rve_data;
-
-static void rve_data_free(rve_data *d) {
+void scene_rve_free(scene_rve *d) {
   free(d->x);
   free(d->radius);
   free(d->contact);
   free(d->flags);
   free(d->pairs);
+  free(d->sliding);
+}
+
+bool scene_rve_recorded(gh_h5 *file, int point) {
+  char name[64];
+  size_t rows, cols;
+  snprintf(name, sizeof name, "/rve/%04d/cauchy", point);
+  return point >= 0 && gh_h5_size(file, name, &rows, &cols) == GH_OK;
+}
+
+/* Arrays of equal length, and contacts of grains that are there. */
+static gh_status check_rve(gh_context *ctx, const scene_rve *d, const size_t rows[4]) {
+  bool good = rows[0] == d->n && rows[1] == d->n && rows[2] == d->ncontacts && gh_finite(d->x, 2 * d->n) &&
+              gh_finite(d->radius, d->n) && gh_finite(d->contact, 4 * d->ncontacts);
+  good = good && (!d->sliding || rows[3] == d->ncontacts);
+  for (size_t k = 0; k < 2 * d->ncontacts; k++) good = good && d->pairs[k] >= 0 && (size_t)d->pairs[k] < d->n;
+  return good ? GH_OK
+              : gh_fail(ctx, GH_INPUT, "rves.h5: the grains of point %d do not fit together", d->point);
+}
+
+gh_status scene_rve_read(gh_context *ctx, gh_h5 *file, int point, scene_rve *d) {
+  char name[64];
+  size_t rows[4], cols;
+  *d = (scene_rve){.point = point};
+#define AT(what) (snprintf(name, sizeof name, "/rve/%04d/%s", point, what), name)
+  GH_TRY(scene_get_doubles(ctx, file, AT("positions"), &d->n, 2, &d->x));
+  GH_TRY(scene_get_doubles(ctx, file, AT("radii"), rows, 1, &d->radius));
+  GH_TRY(scene_get_ints(ctx, file, AT("flags"), rows + 1, 1, &d->flags));
+  GH_TRY(scene_get_ints(ctx, file, AT("contact_pairs"), &d->ncontacts, 2, &d->pairs));
+  GH_TRY(scene_get_doubles(ctx, file, AT("contact_branch_force"), rows + 2, 4, &d->contact));
+  GH_TRY(gh_h5_get_doubles(file, AT("cell"), 1, 4, d->cell));
+  GH_TRY(gh_h5_get_doubles(file, AT("low"), 1, 2, d->low));
+  GH_TRY(gh_h5_get_doubles(file, AT("cauchy"), 1, 4, d->cauchy));
+  GH_TRY(gh_h5_get_ints(file, AT("periodic"), 1, 1, &d->periodic));
+  if (gh_h5_size(file, AT("contact_sliding"), rows + 3, &cols) == GH_OK)
+    GH_TRY(scene_get_ints(ctx, file, name, rows + 3, 1, &d->sliding));
+#undef AT
+  GH_TRY(gh_h5_get_ints(file, "/step", 1, 1, &d->step));
+  return check_rve(ctx, d, rows);
 }
 
 /* The recorded point with the largest von Mises stress; -1 when none is recorded. */
@@ -34,41 +65,23 @@ static int most_loaded(gh_h5 *file, int points) {
   return best;
 }
 
-static gh_status rve_data_read(gh_context *ctx, const char *folder, int points, int point, rve_data *d) {
+static gh_status read_point(gh_context *ctx, const char *folder, int points, int point, scene_rve *d) {
   gh_h5 *file = NULL;
-  char name[64];
-  size_t rows, cols;
-  gh_status status;
-  *d = (rve_data){0};
+  *d = (scene_rve){0};
   GH_TRY(scene_open_h5(ctx, folder, "rves.h5", &file));
-  d->point = point >= 0 ? point : most_loaded(file, points);
-  snprintf(name, sizeof name, "/rve/%04d/cauchy", d->point);
-  if (d->point < 0 || gh_h5_size(file, name, &rows, &cols) != GH_OK) {
+  if (point < 0) point = most_loaded(file, points);
+  gh_status status;
+  if (scene_rve_recorded(file, point)) status = scene_rve_read(ctx, file, point, d);
+  else
     status = gh_fail(ctx, GH_INPUT,
-                     "%s/rves.h5: integration point %d is not recorded; there are %d, and `output: {rves: "
+                     "%s/rves.h5: integration point %d is not recorded; there are %d, and `results: {rves: "
                      "[...]}` of the scene chooses",
                      folder, point, points);
-    goto done;
-  }
-#define AT(what) (snprintf(name, sizeof name, "/rve/%04d/%s", d->point, what), name)
-  GH_TRY_OR(scene_get_doubles(ctx, file, AT("positions"), &d->n, 2, &d->x), done);
-  GH_TRY_OR(scene_get_doubles(ctx, file, AT("radii"), &rows, 1, &d->radius), done);
-  GH_TRY_OR(scene_get_ints(ctx, file, AT("flags"), &rows, 1, &d->flags), done);
-  GH_TRY_OR(scene_get_ints(ctx, file, AT("contact_pairs"), &d->ncontacts, 2, &d->pairs), done);
-  GH_TRY_OR(scene_get_doubles(ctx, file, AT("contact_branch_force"), &rows, 4, &d->contact), done);
-  GH_TRY_OR(gh_h5_get_doubles(file, AT("cell"), 1, 4, d->cell), done);
-  GH_TRY_OR(gh_h5_get_doubles(file, AT("low"), 1, 2, d->low), done);
-  GH_TRY_OR(gh_h5_get_doubles(file, AT("cauchy"), 1, 4, d->cauchy), done);
-  GH_TRY_OR(gh_h5_get_ints(file, AT("periodic"), 1, 1, &d->periodic), done);
-  GH_TRY_OR(gh_h5_get_ints(file, "/step", 1, 1, &d->step), done);
-#undef AT
-done:
   gh_h5_close(&file);
   return status;
 }
 
-/* The shift (in lattice vectors) that brings x into the cell; zero for clusters. */
-static void home(const rve_data *d, const double *x, double shift[2]) {
+void scene_rve_home(const scene_rve *d, const double *x, double shift[2]) {
   double inverse[4], s[2] = {x[0] - d->low[0], x[1] - d->low[1]};
   shift[0] = shift[1] = 0;
   if (!d->periodic) return;
@@ -79,10 +92,10 @@ static void home(const rve_data *d, const double *x, double shift[2]) {
 }
 
 /* Calls draw for x itself and, in a periodic cell, for all images that reach into the page. */
-static void draw_grains(scene_page *p, const rve_data *d) {
+static void draw_grains(scene_page *p, const scene_rve *d) {
   for (size_t n = 0; n < d->n; n++) {
     double shift[2];
-    home(d, d->x + 2 * n, shift);
+    scene_rve_home(d, d->x + 2 * n, shift);
     int images = d->periodic ? 1 : 0;
     for (int i = -images; i <= images; i++)
       for (int j = -images; j <= images; j++) {
@@ -97,7 +110,7 @@ static void draw_grains(scene_page *p, const rve_data *d) {
   }
 }
 
-static double largest_force(const rve_data *d) {
+static double largest_force(const scene_rve *d) {
   double most = 0;
   for (size_t k = 0; k < d->ncontacts; k++)
     most = fmax(most, hypot(d->contact[4 * k + 2], d->contact[4 * k + 3]));
@@ -118,26 +131,26 @@ static void force_line(scene_page *p, const double a[2], const double l[2], doub
 
 /* Each force from centre to centre; in a periodic cell from both grains, so that those across the frame show
  * on both sides. */
-static void draw_forces(scene_page *p, const rve_data *d, double most) {
+static void draw_forces(scene_page *p, const scene_rve *d, double most) {
   for (size_t k = 0; k < d->ncontacts && most > 0; k++) {
     const double *c = d->contact + 4 * k,
                  *x[2] = {d->x + 2 * d->pairs[2 * k], d->x + 2 * d->pairs[2 * k + 1]};
     for (int end = 0; end < (d->periodic ? 2 : 1); end++) {
       double shift[2], sign = end ? -1 : 1;
-      home(d, x[end], shift);
+      scene_rve_home(d, x[end], shift);
       force_line(p, (double[2]){x[end][0] + shift[0], x[end][1] + shift[1]},
                  (double[2]){sign * c[0], sign * c[1]}, hypot(c[2], c[3]) / most);
     }
   }
 }
 
-static double largest_radius(const rve_data *d) {
+static double largest_radius(const scene_rve *d) {
   double radius = 0;
   for (size_t n = 0; n < d->n; n++) radius = fmax(radius, d->radius[n]);
   return radius;
 }
 
-static void draw_rve(scene_page *p, const rve_data *d, const scene_labels *l) {
+static void draw_rve(scene_page *p, const scene_rve *d, const scene_labels *l) {
   double most = largest_force(d);
   char text[256];
   scene_page_fit_cell(p, d->cell, d->low, largest_radius(d), 20, 120, p->width - 40, p->height - 140);
@@ -163,17 +176,17 @@ static void draw_rve(scene_page *p, const rve_data *d, const scene_labels *l) {
 }
 
 gh_status gh_picture_rve(gh_context *ctx, const char *folder, int point, const char *png) {
-  rve_data d;
+  scene_rve d;
   scene_page p;
   scene_labels l;
   GH_TRY(scene_labels_read(ctx, folder, &l));
-  gh_status status = rve_data_read(ctx, folder, l.points, point, &d);
+  gh_status status = read_point(ctx, folder, l.points, point, &d);
   if (status == GH_OK) {
     status = scene_page_open(ctx, &p, 900, 1000, png);
     if (status == GH_OK) draw_rve(&p, &d, &l);
     if (status == GH_OK) status = scene_page_write(&p, png);
     scene_page_close(&p);
   }
-  rve_data_free(&d);
+  scene_rve_free(&d);
   return status;
 }

@@ -71,7 +71,9 @@ bool scene_boundary_is_free(const gh_scene *s) {
 bool scene_has_load(const gh_scene *s) {
   const scene_present *p = &s->present;
   for (int k = 0; k < s->nsets; k++)
-    if (p->pressure[k].now != 0 || p->force[k][0].now != 0 || p->force[k][1].now != 0) return true;
+    if (p->pressure[k].now != 0 || p->force[k][0].now != 0 || p->force[k][1].now != 0 ||
+        p->footing[k].force[0].now != 0 || p->footing[k].force[1].now != 0)
+      return true;
   return p->gravity[0].now != 0 || p->gravity[1].now != 0;
 }
 
@@ -84,6 +86,7 @@ gh_status scene_program_create(gh_scene *s) {
   GH_TRY(gh_alloc(s->ctx, nsets, sizeof *p->pressure, &p->pressure));
   GH_TRY(gh_alloc(s->ctx, nsets, sizeof *p->follow, &p->follow));
   GH_TRY(gh_alloc(s->ctx, nsets, sizeof *p->force, &p->force));
+  GH_TRY(gh_alloc(s->ctx, nsets, sizeof *p->footing, &p->footing));
   GH_TRY(gh_alloc(s->ctx, ndof, sizeof *p->u, &p->u));
   GH_TRY(gh_alloc(s->ctx, ndof, sizeof *p->held, &p->held));
   return gh_alloc(s->ctx, ndof, sizeof *p->driven, &p->driven);
@@ -94,6 +97,7 @@ void scene_program_destroy(gh_scene *s) {
   free(p->pressure);
   free(p->follow);
   free(p->force);
+  free(p->footing);
   free(p->u);
   free(p->held);
   free(p->driven);
@@ -106,6 +110,7 @@ static void clear(gh_scene *s) {
   memset(p->pressure, 0, nsets * sizeof *p->pressure);
   memset(p->follow, 0, nsets * sizeof *p->follow);
   memset(p->force, 0, nsets * sizeof *p->force);
+  memset(p->footing, 0, nsets * sizeof *p->footing);
   memset(p->u, 0, ndof * sizeof *p->u);
   memset(p->held, 0, ndof * sizeof *p->held);
   memset(p->driven, 0, ndof * sizeof *p->driven);
@@ -209,10 +214,31 @@ static gh_status confine(gh_scene *s) {
                  s->path, s->start_line);
 }
 
+/* The force of a footing goes from its present value to the new one; where it shall act at another point, it
+ * fades at the old one and grows at the new. At the start the footing stands with the force that the first
+ * step begins with. */
+static void load_footing(scene_standing *now, const scene_footing *f, bool start) {
+  bool moves = now->stands && (now->at[0] != f->at[0] || now->at[1] != f->at[1]);
+  for (int i = 0; i < 2; i++) {
+    if (moves && isnan(f->from[i])) {
+      now->old_at[i] = now->at[i];
+      now->old[i] = (scene_ramp){now->force[i].now, 0, now->force[i].now};
+    }
+    if (moves) now->force[i].now = 0;
+    set_ramp(now->force + i, f->from[i], f->to[i]);
+    if (start) now->force[i].to = now->force[i].from;
+    now->at[i] = f->at[i];
+  }
+  now->stands = true;
+  now->line = f->line;
+}
+
 /* Step 0: the scene's supports, those of the first step, and what the first step drives, held. */
 static gh_status begin_start(gh_scene *s) {
   clear(s);
   begin_supports(s, s->steps, NULL, true);
+  for (int k = 0; k < s->steps->nfootings; k++)
+    load_footing(s->present.footing + s->steps->footings[k].set, s->steps->footings + k, true);
   return s->start == SCENE_START_CONFINEMENT ? confine(s) : GH_OK;
 }
 
@@ -220,7 +246,11 @@ static void begin_step(gh_scene *s, const scene_step *step, const double *u) {
   scene_present *p = &s->present;
   for (int k = 0; k < s->nsets; k++) {
     keep_ramp(p->pressure + k);
-    for (int i = 0; i < 2; i++) keep_ramp(p->force[k] + i);
+    for (int i = 0; i < 2; i++) {
+      keep_ramp(p->force[k] + i);
+      keep_ramp(p->footing[k].force + i);
+      keep_ramp(p->footing[k].old + i);
+    }
   }
   for (int i = 0; i < 2; i++) {
     keep_ramp(p->gravity + i);
@@ -234,6 +264,8 @@ static void begin_step(gh_scene *s, const scene_step *step, const double *u) {
   for (int k = 0; k < step->nforces; k++)
     for (int i = 0; i < 2; i++)
       set_ramp(p->force[step->forces[k].set] + i, step->forces[k].from[i], step->forces[k].to[i]);
+  for (int k = 0; k < step->nfootings; k++)
+    load_footing(p->footing + step->footings[k].set, step->footings + k, false);
   begin_supports(s, step, u, false);
 }
 
@@ -241,6 +273,16 @@ static void begin_step(gh_scene *s, const scene_step *step, const double *u) {
 
 static void go(scene_ramp *r, int increment, int increments) {
   r->now = increment == increments ? r->to : r->from + (r->to - r->from) * increment / increments;
+}
+
+static gh_status add_footing(scene_standing *f, int set, int increment, int increments, gh_loads *loads) {
+  for (int i = 0; i < 2; i++) {
+    go(f->force + i, increment, increments);
+    go(f->old + i, increment, increments);
+  }
+  const double force[2] = {f->force[0].now, f->force[1].now}, old[2] = {f->old[0].now, f->old[1].now};
+  GH_TRY(gh_loads_footing(loads, set, f->at, force));
+  return old[0] != 0 || old[1] != 0 ? gh_loads_footing(loads, set, f->old_at, old) : GH_OK;
 }
 
 gh_status gh_scene_loads(gh_scene *s, int step, int increment, const double *u, gh_loads *loads) {
@@ -255,6 +297,7 @@ gh_status gh_scene_loads(gh_scene *s, int step, int increment, const double *u, 
     for (int i = 0; i < 2; i++) go(p->force[k] + i, increment, increments);
     double force[2] = {p->force[k][0].now, p->force[k][1].now};
     if (force[0] != 0 || force[1] != 0) GH_TRY(gh_loads_force(loads, k, force));
+    if (p->footing[k].stands) GH_TRY(add_footing(p->footing + k, k, increment, increments, loads));
   }
   for (int i = 0; i < 2; i++) go(p->gravity + i, increment, increments);
   GH_TRY(gh_loads_gravity(loads, (const double[2]){p->gravity[0].now, p->gravity[1].now}));
@@ -317,16 +360,49 @@ static gh_status check_supports(gh_scene *s, int line, const char *name) {
   return GH_OK;
 }
 
+static gh_status check_footing_free(gh_scene *s, int set, const char *name) {
+  const gh_mesh_set *m = s->mesh->sets + set;
+  for (int n = 0; n < 2 * m->nnodes; n++) {
+    int node = m->nodes[n / 2];
+    if (s->present.held[2 * node + n % 2])
+      return gh_fail(
+          s->ctx, GH_INPUT,
+          "%s:%d: the footing on '%s' cannot move its node at (%g, %g): a support or a displacement "
+          "holds it in %c in step '%s'",
+          s->path, s->present.footing[set].line, m->name, s->mesh->X[2 * node], s->mesh->X[2 * node + 1],
+          "xy"[n % 2], name);
+  }
+  return GH_OK;
+}
+
+/* Straight edges, none shared, no node held. */
+static gh_status check_footings(gh_scene *s, const char *name) {
+  static const double nothing[2] = {0, 0};
+  gh_loads *loads = NULL;
+  gh_status status = gh_loads_create(s->ctx, s->mesh, &loads);
+  for (int set = 0; set < s->nsets && status == GH_OK; set++) {
+    const scene_standing *f = s->present.footing + set;
+    if (f->stands) status = gh_loads_footing(loads, set, f->at, nothing);
+    if (status != GH_OK) gh_prefix(s->ctx, status, "%s:%d: ", s->path, f->line);
+  }
+  for (int set = 0; set < s->nsets && status == GH_OK; set++)
+    if (s->present.footing[set].stands) status = check_footing_free(s, set, name);
+  gh_loads_destroy(&loads);
+  return status;
+}
+
 gh_status scene_program_check(gh_scene *s) {
   for (int k = 0; k < s->nsteps; k++) {
     const scene_step *step = s->steps + k;
     if (k == 0) {
       GH_TRY(begin_start(s));
       GH_TRY(check_supports(s, step->line, "start"));
+      GH_TRY(check_footings(s, "start"));
     }
     GH_TRY(check_releases(s, step));
     begin_step(s, step, NULL);
     GH_TRY(check_supports(s, step->line, step->name));
+    GH_TRY(check_footings(s, step->name));
   }
   clear(s);
   return GH_OK;

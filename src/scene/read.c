@@ -81,19 +81,7 @@ gh_status scene_list_length(node list, const char *what, int *length) {
   return GH_OK;
 }
 
-/* ---- material: packing, contact, micro ---- */
-
-static gh_status read_packing(gh_scene *s, node root, const char *folder) {
-  node n;
-  const char *name;
-  GH_TRY(scene_need(root, "a scene", "packing", &n));
-  GH_TRY(gh_yaml_text(n, "packing", &name));
-  s->packing_path = gh_path_join(folder, name);
-  if (!s->packing_path) return gh_fail(s->ctx, GH_MEMORY, "no memory for a path");
-  gh_status status = gh_packing_read(s->ctx, s->packing_path, &s->packing);
-  if (status != GH_OK) gh_prefix(s->ctx, status, "%s:%d: packing: ", gh_yaml_path(n), gh_yaml_line(n));
-  return status;
-}
+/* ---- material: contact, micro ---- */
 
 /* The number at an optional key of `contact`, 0 or more. */
 static gh_status optional_amount(node map, const char *key, double *value) {
@@ -167,7 +155,7 @@ static gh_status read_contact(gh_scene *s, node root) {
 static gh_status read_micro(gh_scene *s, node root) {
   node micro = gh_yaml_get(root, "micro"), n;
   if (!gh_yaml_has(micro)) return GH_OK;
-  GH_TRY(scene_map(micro, "micro", KEYS("boundary", "tolerance", "engine", "max_steps")));
+  GH_TRY(scene_map(micro, "micro", KEYS("boundary", "tolerance", "engine", "max_steps", "resident")));
   const char *word;
   if (gh_yaml_has(n = gh_yaml_get(micro, "boundary"))) {
     GH_TRY(gh_yaml_text(n, "boundary", &word));
@@ -182,6 +170,7 @@ static gh_status read_micro(gh_scene *s, node root) {
   }
   if (gh_yaml_has(n = gh_yaml_get(micro, "max_steps")))
     GH_TRY(gh_yaml_integer(n, "max_steps", 1, 2000000000, &s->micro.max_steps));
+  GH_TRY(optional_integer(micro, "resident", 1, 1000000000, &s->resident));
   return fraction(micro, "tolerance", &s->micro.tolerance);
 }
 
@@ -299,7 +288,7 @@ static gh_status read_start(gh_scene *s, node root) {
   return GH_OK;
 }
 
-/* ---- solver, output, the whole ---- */
+/* ---- solver, the whole ---- */
 
 static gh_status read_solver(gh_scene *s, node root) {
   node solver = gh_yaml_get(root, "solver"), n;
@@ -317,35 +306,6 @@ static gh_status read_solver(gh_scene *s, node root) {
   GH_TRY(scene_optional_bool(solver, "pass_jumps", &s->solver.pass_jumps));
   GH_TRY(optional_integer(solver, "max_iterations", 1, 10000, &s->solver.max_iterations));
   return optional_integer(solver, "cut_steps", 0, 30, &s->solver.cut_steps);
-}
-
-static gh_status read_output(gh_scene *s, node root) {
-  node output = gh_yaml_get(root, "output"), list;
-  s->nrves = SCENE_FEW_RVES;
-  if (!gh_yaml_has(output)) return GH_OK;
-  GH_TRY(scene_map(output, "output", KEYS("rves")));
-  if (!gh_yaml_has(list = gh_yaml_get(output, "rves"))) return GH_OK;
-  int points = 4 * s->mesh->nelements;
-  if (gh_yaml_is_list(list)) {
-    int count = gh_yaml_length(list);
-    GH_TRY(gh_alloc(s->ctx, (size_t)count, sizeof *s->rves, &s->rves));
-    for (int k = 0; k < count; k++) {
-      long point;
-      GH_TRY(gh_yaml_integer(gh_yaml_item(list, k), "integration point", 0, points - 1, &point));
-      s->rves[k] = (int)point;
-      for (int j = 0; j < k; j++)
-        if (s->rves[j] == s->rves[k])
-          return gh_yaml_fail(gh_yaml_item(list, k), "integration point %ld is given twice", point);
-    }
-    s->nrves = count;
-    return GH_OK;
-  }
-  const char *word;
-  GH_TRY(gh_yaml_text(list, "rves", &word));
-  if (strcmp(word, "all") == 0) s->nrves = SCENE_ALL_RVES;
-  else if (strcmp(word, "none") == 0) s->nrves = 0;
-  else return gh_yaml_fail(list, "rves is '%s', it must be all, none or a list of integration points", word);
-  return GH_OK;
 }
 
 static gh_status read_labels(gh_scene *s, node root) {
@@ -366,7 +326,7 @@ static gh_status read_root(gh_scene *s, node root, const char *folder) {
   node gravity;
   GH_TRY(scene_map(root, "a scene",
                    KEYS("title", "units", "packing", "contact", "micro", "start", "mesh", "supports",
-                        "gravity", "steps", "solver", "output")));
+                        "gravity", "steps", "solver", "results", "output")));
   GH_TRY(read_labels(s, root));
   GH_TRY(read_contact(s, root));
   GH_TRY(read_micro(s, root));
@@ -376,8 +336,8 @@ static gh_status read_root(gh_scene *s, node root, const char *folder) {
   GH_TRY(scene_read_fixes(s, gh_yaml_get(root, "supports"), "supports", "fix", &s->supports, &s->nsupports));
   if (gh_yaml_has(gravity = gh_yaml_get(root, "gravity"))) GH_TRY(scene_pair(gravity, "gravity", s->gravity));
   GH_TRY(scene_read_steps(s, root));
-  GH_TRY(read_output(s, root));
-  return read_packing(s, root, folder);
+  GH_TRY(scene_read_results(s, root));
+  return scene_read_packings(s, root, folder);
 }
 
 gh_status gh_scene_read(gh_context *ctx, const char *path, gh_scene **scene) {
@@ -417,6 +377,7 @@ static void destroy_step(scene_step *step) {
   free(step->pressures);
   free(step->displaces);
   free(step->forces);
+  free(step->footings);
 }
 
 void gh_scene_destroy(gh_scene **scene) {
@@ -424,21 +385,25 @@ void gh_scene_destroy(gh_scene **scene) {
   gh_scene *s = *scene;
   scene_program_destroy(s);
   for (int k = 0; k < s->nsteps; k++) destroy_step(s->steps + k);
-  gh_packing_destroy(&s->packing);
+  scene_packings_destroy(s);
   gh_mesh_destroy(&s->mesh);
   free(s->steps);
   free(s->supports);
   free(s->rves);
+  free(s->dumps);
   free(s->path);
   free(s->text);
   free(s->title);
   free(s->length_unit);
   free(s->force_unit);
-  free(s->packing_path);
   free(s);
   *scene = NULL;
 }
 
 void gh_scene_set_engine(gh_scene *scene, gh_engine_kind engine) {
   scene->micro.engine = engine;
+}
+
+void gh_scene_set_sharing(gh_scene *scene, bool share) {
+  scene->no_share = !share;
 }

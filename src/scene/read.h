@@ -26,11 +26,20 @@ gh_status scene_pair(node n, const char *what, double value[2]);
 /* Number of entries of an optional list. */
 gh_status scene_list_length(node list, const char *what, int *length);
 
+/* ---- packings.c ---- */
+
+/* `packing`: a file, a list of files, or {ensemble: [...], seed: S}. The mesh is known. */
+gh_status scene_read_packings(gh_scene *s, node root, const char *folder);
+
 /* ---- read_steps.c ---- */
 
 /* [{edge: NAME, KEY: x|y|both}, ...]; key is `fix` or `free`. */
 gh_status scene_read_fixes(gh_scene *s, node list, const char *what, const char *key, scene_fix **fixes,
                            int *count);
 gh_status scene_read_steps(gh_scene *s, node root);
+
+/* ---- read_results.c ---- */
+
+gh_status scene_read_results(gh_scene *s, node root);
 
 #endif

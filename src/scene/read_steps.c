@@ -25,7 +25,7 @@ static gh_status find_set(const gh_scene *s, node map, const char *what, bool ed
     return gh_yaml_fail(n, "there is no edge or set '%s'; the mesh has: %s", name, *known ? known : "none");
   }
   if (edges && s->mesh->sets[*set].nedges == 0)
-    return gh_yaml_fail(n, "a pressure needs edges of the boundary, and set '%s' has none", name);
+    return gh_yaml_fail(n, "a %s needs edges of the boundary, and set '%s' has none", what, name);
   return GH_OK;
 }
 
@@ -125,6 +125,40 @@ static gh_status read_forces(gh_scene *s, node list, scene_step *step) {
   return GH_OK;
 }
 
+/* Where the force of a footing acts: `at`, or at the distance `eccentricity` from the middle of its edge. */
+static gh_status read_point(gh_scene *s, node entry, scene_footing *f) {
+  node at = gh_yaml_get(entry, "at"), off = gh_yaml_get(entry, "eccentricity");
+  double eccentricity = 0;
+  if (gh_yaml_has(at) && gh_yaml_has(off))
+    return gh_yaml_fail(entry, "footing: give 'at' or 'eccentricity', not both");
+  if (gh_yaml_has(at)) return scene_pair(at, "at", f->at);
+  if (gh_yaml_has(off)) GH_TRY(scene_number(off, "eccentricity", &eccentricity));
+  gh_footing_point(s->mesh, f->set, eccentricity, f->at);
+  return GH_OK;
+}
+
+static gh_status read_footings(gh_scene *s, node list, scene_step *step) {
+  GH_TRY(scene_list_length(list, "footing", &step->nfootings));
+  GH_TRY(gh_alloc(s->ctx, (size_t)step->nfootings, sizeof *step->footings, &step->footings));
+  for (int k = 0; k < step->nfootings; k++) {
+    scene_footing *f = step->footings + k;
+    node entry = gh_yaml_item(list, k), n;
+    f->line = gh_yaml_line(entry);
+    GH_TRY(scene_map(entry, "footing", KEYS("edge", "set", "force", "from", "at", "eccentricity")));
+    GH_TRY(find_set(s, entry, "footing", true, &f->set));
+    GH_TRY(scene_need(entry, "footing", "force", &n));
+    GH_TRY(scene_pair(n, "force", f->to));
+    f->from[0] = f->from[1] = NAN;
+    if (gh_yaml_has(n = gh_yaml_get(entry, "from"))) GH_TRY(scene_pair(n, "from", f->from));
+    GH_TRY(read_point(s, entry, f));
+    for (int j = 0; j < k; j++)
+      if (step->footings[j].set == f->set)
+        return gh_yaml_fail(entry, "the footing on '%s' is given twice in this step",
+                            s->mesh->sets[f->set].name);
+  }
+  return GH_OK;
+}
+
 /* [gx, gy], or {from: [..], to: [..]} where ramps are possible. */
 static gh_status read_step_gravity(node n, scene_step *step) {
   node part;
@@ -143,9 +177,9 @@ static gh_status read_step(gh_scene *s, node n, int index, scene_step *step) {
   node part;
   long count;
   step->line = gh_yaml_line(n);
-  GH_TRY(scene_map(
-      n, "a step",
-      KEYS("name", "increments", "supports", "release", "pressure", "displace", "forces", "gravity")));
+  GH_TRY(scene_map(n, "a step",
+                   KEYS("name", "increments", "supports", "release", "pressure", "displace", "forces",
+                        "footing", "gravity")));
   char numbered[32];
   const char *name = numbered;
   snprintf(numbered, sizeof numbered, "step %d", index + 1);
@@ -161,6 +195,7 @@ static gh_status read_step(gh_scene *s, node n, int index, scene_step *step) {
   GH_TRY(read_pressures(s, gh_yaml_get(n, "pressure"), step));
   GH_TRY(read_displaces(s, gh_yaml_get(n, "displace"), step));
   GH_TRY(read_forces(s, gh_yaml_get(n, "forces"), step));
+  GH_TRY(read_footings(s, gh_yaml_get(n, "footing"), step));
   return read_step_gravity(gh_yaml_get(n, "gravity"), step);
 }
 

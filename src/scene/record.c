@@ -58,7 +58,7 @@ static void add_options(cJSON *root, const gh_scene *s, const gh_farm *farm) {
   number(micro, "normal_stiffness", s->micro.law.normal_stiffness);
   number(micro, "tolerance", s->micro.tolerance);
   number(micro, "max_steps", (double)gh_rve_step_limit(&s->micro));
-  number(micro, "grains", s->packing->n);
+  number(micro, "grains", s->packings[0]->n);
   number(micro, "points", gh_farm_size(farm));
   text(solver, "method", "newton");
   number(solver, "tolerance", s->solver.tolerance);
@@ -68,6 +68,21 @@ static void add_options(cJSON *root, const gh_scene *s, const gh_farm *farm) {
   truth(solver, "pass_jumps", s->solver.pass_jumps);
   text(start, "kind", starts[s->start]);
   number(start, "confinement", s->start == SCENE_START_CONFINEMENT ? s->confinement : NAN);
+}
+
+/* Which packing is at which integration point: a number of the list for each. */
+static void add_packings(cJSON *root, const gh_scene *s) {
+  int points = 4 * s->mesh->nelements;
+  cJSON *o = group(root, "packings"), *list = cJSON_AddArrayToObject(o, "files");
+  for (int k = 0; k < s->npackings; k++) {
+    cJSON *entry = cJSON_CreateObject();
+    text(entry, "file", s->packing_paths[k]);
+    number(entry, "grains", s->packings[k]->n);
+    number(entry, "points", scene_packing_points(s, k));
+    cJSON_AddItemToArray(list, entry);
+  }
+  if (s->packing_drawn) number(o, "seed", (double)s->packing_seed);
+  if (s->npackings > 1) cJSON_AddItemToObject(o, "of_point", cJSON_CreateIntArray(s->packing_of, points));
 }
 
 /* What the pictures need to know: which set is driven, and in which direction. */
@@ -83,7 +98,7 @@ static void add_driven(cJSON *root, const gh_scene *s) {
 }
 
 static void add_summary(cJSON *root, const gh_run_summary *m) {
-  cJSON *o = group(root, "summary"), *time = group(o, "seconds");
+  cJSON *o = group(root, "summary"), *time = group(o, "seconds"), *farm = group(o, "farm");
   number(o, "steps", m->steps);
   number(o, "increments", m->increments);
   number(o, "iterations", m->iterations);
@@ -96,11 +111,22 @@ static void add_summary(cJSON *root, const gh_run_summary *m) {
   number(o, "evaluations", (double)m->cost.evaluations);
   number(o, "relaxation_steps", (double)m->cost.steps);
   number(o, "factorisations", (double)m->cost.factorisations);
+  number(farm, "ranks", m->farm.ranks);
+  number(farm, "evaluations", (double)m->farm.evaluations);
+  number(farm, "computed", (double)m->farm.computed);
+  number(farm, "moved", (double)m->farm.moved);
+  number(farm, "busy_seconds", m->farm.busy);
+  number(farm, "longest_seconds", m->farm.longest);
+  number(farm, "different_rves", m->farm.states);
+  number(farm, "rves_kept_ready", m->farm.residents);
+  number(farm, "bytes_of_one", m->farm.bytes);
   number(time, "total", m->seconds);
   number(time, "micro", m->micro_seconds);
+  number(time, "micro_set", m->cost.set);
   number(time, "micro_relax", m->cost.relax);
   number(time, "micro_contacts", m->cost.contacts);
   number(time, "micro_factorise", m->cost.factorise);
+  number(time, "micro_sum", m->cost.total); /* over all points: the parts above belong to it */
   number(time, "results", m->results_seconds);
 }
 
@@ -120,7 +146,8 @@ char *scene_run_json(const gh_scene *scene, const gh_farm *farm, const char *sta
   text(units, "force", scene->force_unit);
   if (summary) add_summary(root, summary);
   text(root, "scene_file", scene->path);
-  text(root, "packing_file", scene->packing_path);
+  text(root, "packing_file", scene->packing_paths[0]);
+  add_packings(root, scene);
   text(root, "scene", scene->text);
   char *json = cJSON_Print(root);
   cJSON_Delete(root);

@@ -2,9 +2,11 @@
  * SPDX-License-Identifier: GPL-2.0-or-later
  *
  * results.h5      /mesh and one group per increment, /step0000 (the start) onwards
- * results.xdmf    the same for ParaView
- * rves.h5         grains and contacts of recorded material points at the last increment
- * history.csv, convergence.csv, run.json */
+ * results.xdmf    the same for ParaView; points.xdmf: at the integration points
+ * rves.h5         grains and contacts of recorded material points at the last increment; traces.h5: their
+ * positions at all dumps/          the chosen material points as LAMMPS dumps history.csv, convergence.csv,
+ * timing.csv, run.json checkpoint.h5   where the run can go on (checkpoint.c) */
+#include "scene/checkpoint.h"
 #include "scene/results.h"
 
 #include <errno.h>
@@ -67,26 +69,32 @@ static gh_status write_json(scene_results *r, const char *status_text, const cha
   return status;
 }
 
-static gh_status write_xdmf(scene_results *r, const scene_frame *f) {
+static gh_status write_xdmf(scene_results *r, const gh_text *steps, const char *name) {
   gh_text *whole;
-  scene_xdmf_step(r->xdmf, r->scene->mesh, f);
   GH_TRY(gh_text_create(r->ctx, &whole));
   scene_xdmf_begin(whole);
-  gh_text_print(whole, "%s", gh_text_get(r->xdmf, NULL));
+  gh_text_print(whole, "%s", gh_text_get(steps, NULL));
   scene_xdmf_end(whole);
-  gh_status status = commit_text(r, whole, "results.xdmf");
+  gh_status status = commit_text(r, whole, name);
   gh_text_destroy(&whole);
   return status;
+}
+
+/* A file of a run before, perhaps of another mesh. */
+static gh_status remove_old(scene_results *r, const char *name) {
+  char *path;
+  GH_TRY(scene_result_path(r, name, &path));
+  unlink(path);
+  free(path);
+  return GH_OK;
 }
 
 static gh_status begin(scene_results *r) {
   if (r->begun) return GH_OK;
   GH_TRY(gh_folder_make(r->ctx, r->folder));
   scene_history_header(r);
-  char *rves; /* of a run before, perhaps of another mesh */
-  GH_TRY(scene_result_path(r, "rves.h5", &rves));
-  unlink(rves);
-  free(rves);
+  static const char *const old[] = {"rves.h5", "traces.h5", "checkpoint.h5"};
+  for (size_t k = 0; k < sizeof old / sizeof *old; k++) GH_TRY(remove_old(r, old[k]));
   r->begun = true;
   return write_json(r, "running", NULL, NULL);
 }
@@ -112,6 +120,12 @@ int scene_results_unjammed(const scene_results *r, double *min_acoustic) {
   return r->unjammed;
 }
 
+static gh_status write_tables(scene_results *r) {
+  GH_TRY(commit_text(r, r->history, "history.csv"));
+  GH_TRY(commit_text(r, r->timing, "timing.csv"));
+  return commit_text(r, r->convergence, "convergence.csv");
+}
+
 /* results.h5 comes first: the others may then refer to what is in it. */
 gh_status scene_results_write(scene_results *r, const scene_frame *f) {
   GH_TRY(begin(r));
@@ -119,18 +133,20 @@ gh_status scene_results_write(scene_results *r, const scene_frame *f) {
   GH_TRY(scene_write_h5(r, f));
   r->frames++;
   GH_TRY(scene_write_rves(r, f));
-  GH_TRY(write_xdmf(r, f));
+  GH_TRY(scene_write_dumps(r, f));
+  scene_xdmf_step(r->xdmf, r->scene->mesh, f);
+  GH_TRY(write_xdmf(r, r->xdmf, "results.xdmf"));
+  scene_xdmf_points(r->points_xdmf, r->scene->mesh, f);
+  GH_TRY(write_xdmf(r, r->points_xdmf, "points.xdmf"));
   scene_history_row(r, f);
-  GH_TRY(commit_text(r, r->history, "history.csv"));
-  return commit_text(r, r->convergence, "convergence.csv");
+  return write_tables(r);
 }
 
 gh_status scene_results_close(scene_results *r, gh_status status, const char *outcome, const char *message,
                               const gh_run_summary *summary) {
   if (status == GH_INPUT && !r->begun) return GH_OK; /* wrong input writes nothing */
   GH_TRY(begin(r));
-  GH_TRY(commit_text(r, r->history, "history.csv"));
-  GH_TRY(commit_text(r, r->convergence, "convergence.csv"));
+  GH_TRY(write_tables(r));
   return write_json(r, outcome, message, summary);
 }
 
@@ -147,13 +163,16 @@ gh_status scene_results_create(gh_scene *scene, gh_farm *farm, gh_macro *macro, 
   status = r->folder ? GH_OK : gh_fail(ctx, GH_MEMORY, "no memory for a path");
   if (status == GH_OK) status = gh_text_create(ctx, &r->history);
   if (status == GH_OK) status = gh_text_create(ctx, &r->convergence);
+  if (status == GH_OK) status = gh_text_create(ctx, &r->timing);
   if (status == GH_OK) status = gh_text_create(ctx, &r->xdmf);
+  if (status == GH_OK) status = gh_text_create(ctx, &r->points_xdmf);
   if (status == GH_OK) status = gh_alloc(ctx, 4 * points, sizeof *r->tensor, &r->tensor);
   if (status == GH_OK) status = gh_alloc(ctx, points, sizeof *r->scalar, &r->scalar);
   if (status != GH_OK) {
     scene_results_destroy(results);
     return status;
   }
+  gh_text_print(r->timing, "step,seconds,micro_seconds,evaluations,computed,moved,ranks\n");
   gh_text_print(r->convergence, "step,substep,iteration,residual,relative,first,step_length,seconds\n");
   time_t now = time(NULL);
   struct tm utc;
@@ -161,13 +180,59 @@ gh_status scene_results_create(gh_scene *scene, gh_farm *farm, gh_macro *macro, 
   return GH_OK;
 }
 
+/* ---- going on from a checkpoint ---- */
+
+void scene_results_texts(const scene_results *r, scene_text list[SCENE_TEXTS]) {
+  const scene_text all[SCENE_TEXTS] = {{"history", r->history},
+                                       {"convergence", r->convergence},
+                                       {"timing", r->timing},
+                                       {"xdmf", r->xdmf},
+                                       {"points_xdmf", r->points_xdmf}};
+  memcpy(list, all, sizeof all);
+}
+
+/* results.h5 must hold the increments up to the checkpoint; what came behind them goes. */
+static gh_status cut_h5(gh_h5 *file, int frames) {
+  char name[32];
+  size_t rows, cols;
+  bool there = true;
+  snprintf(name, sizeof name, "/step%04d/time", frames - 1);
+  if (frames > 0) GH_TRY(gh_h5_size(file, name, &rows, &cols));
+  for (int k = frames; there; k++) {
+    snprintf(name, sizeof name, "/step%04d", k);
+    GH_TRY(gh_h5_remove(file, name, &there));
+  }
+  return GH_OK;
+}
+
+gh_status scene_results_resume(scene_results *r, int frames) {
+  char *path;
+  gh_h5 *file = NULL;
+  struct stat info;
+  GH_TRY(scene_result_path(r, "results.h5", &path));
+  gh_status status = stat(path, &info) == 0 ? gh_h5_open(r->ctx, path, true, &file)
+                                            : gh_fail(r->ctx, GH_INPUT, "%s: %s", path, strerror(errno));
+  free(path);
+  GH_TRY(status);
+  status = cut_h5(file, frames);
+  if (status == GH_OK) status = gh_h5_commit(&file);
+  else gh_h5_close(&file);
+  r->frames = frames;
+  r->begun = true;
+  look_at_points(r);
+  return status;
+}
+
 void scene_results_destroy(scene_results **results) {
   if (!results || !*results) return;
   scene_results *r = *results;
   gh_text_destroy(&r->history);
   gh_text_destroy(&r->convergence);
+  gh_text_destroy(&r->timing);
   gh_text_destroy(&r->xdmf);
+  gh_text_destroy(&r->points_xdmf);
   free(r->folder);
+  free(r->dump_end);
   free(r->tensor);
   free(r->scalar);
   free(r);

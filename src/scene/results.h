@@ -4,20 +4,24 @@
 
 #include "scene/internal.h"
 
+#include <sys/types.h>
+
 struct scene_results {
   gh_context *ctx;
   gh_scene *scene;
   gh_farm *farm;
   gh_macro *macro;
   char *folder;
-  gh_text *history, *convergence, *xdmf;
-  bool begun; /* the folder is there */
-  int frames; /* complete increments on disk */
+  gh_text *history, *convergence, *timing, *xdmf, *points_xdmf;
+  bool begun;             /* the folder is there */
+  gh_farm_counts counted; /* by the farm up to the last row of history.csv */
+  int frames;             /* complete increments on disk */
   int unjammed;
   double min_acoustic;
   int most_loaded,
       least_stable; /* points with the largest von Mises stress and the smallest acoustic eigenvalue */
   char started[40];
+  off_t *dump_end;         /* dumps.c: lengths of the files */
   double *tensor, *scalar; /* scratch: 4 and 1 numbers per point */
 };
 
@@ -30,8 +34,28 @@ const char *scene_column(const gh_mesh *mesh, int set, char text[64]);
 void scene_history_header(scene_results *r);
 void scene_history_row(scene_results *r, const scene_frame *f);
 
-/* results_h5.c, rves_h5.c */
+/* numbers.c: what is written of each material point under `name`, and its mean over an element where that has
+ * a meaning. */
+typedef struct scene_number {
+  const char *name;
+  double (*of)(const gh_rve_measures *m);
+  bool mean;
+} scene_number;
+extern const scene_number scene_numbers[];
+extern const size_t scene_number_count;
+
+/* xdmf.c */
+void scene_xdmf_begin(gh_text *out);
+void scene_xdmf_step(gh_text *out, const gh_mesh *mesh, const scene_frame *frame);   /* of results.xdmf */
+void scene_xdmf_points(gh_text *out, const gh_mesh *mesh, const scene_frame *frame); /* of points.xdmf */
+void scene_xdmf_end(gh_text *out);
+
+/* results_h5.c, rves_h5.c, dumps.c */
 gh_status scene_write_h5(scene_results *r, const scene_frame *f);
 gh_status scene_write_rves(scene_results *r, const scene_frame *f);
+gh_status scene_write_dumps(scene_results *r, const scene_frame *f);
+/* The one way from a material point to its grains: the view and the measures of its last evaluation, valid
+ * until the next call. *m is NULL when the point is no RVE. */
+gh_status scene_look_at_point(scene_results *r, int point, gh_rve_view *view, const gh_rve_measures **m);
 
 #endif

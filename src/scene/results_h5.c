@@ -22,7 +22,14 @@ static gh_status put_mesh(scene_results *r, gh_h5 *file) {
   gh_status status;
   GH_TRY_OR(gh_h5_put_doubles(file, "/mesh/coordinates", nnodes, 3, x), done);
   GH_TRY_OR(gh_h5_put_doubles(file, "/mesh/gauss", npoints, 2, x + 3 * nnodes), done);
+  GH_TRY_OR(gh_h5_put_ints(file, "/mesh/packing", npoints, 1, r->scene->packing_of), done);
   GH_TRY_OR(gh_h5_put_ints(file, "/mesh/cells", (size_t)m->nelements, 4, &m->quad[0][0]), done);
+  int *number; /* of the points, one by one: points.xdmf makes a vertex of each */
+  GH_TRY_OR(gh_alloc(r->ctx, npoints, sizeof *number, &number), done);
+  for (size_t p = 0; p < npoints; p++) number[p] = (int)p;
+  status = gh_h5_put_ints(file, "/mesh/points", npoints, 1, number);
+  free(number);
+  if (status != GH_OK) goto done;
   for (int k = 0; k < r->scene->nsets; k++) {
     char name[96] = "/mesh/sets/", part[64];
     strncat(name, scene_column(m, k, part), 64);
@@ -76,6 +83,7 @@ static gh_status put_stress(scene_results *r, gh_h5 *file, const scene_frame *f)
   GH_TRY(put(r, file, f, "points/F", np, 4, F));
   GH_TRY(put(r, file, f, "points/P", np, 4, P));
   GH_TRY(put(r, file, f, "points/cauchy", np, 4, cauchy));
+  GH_TRY(put_cell_tensor(r, file, f, "cells/F", F));
   GH_TRY(put_cell_tensor(r, file, f, "cells/piola", P));
   GH_TRY(put_cell_tensor(r, file, f, "cells/cauchy", cauchy));
   GH_TRY(gh_alloc(r->ctx, np + nn, sizeof *mises, &mises));
@@ -91,90 +99,52 @@ static gh_status put_stress(scene_results *r, gh_h5 *file, const scene_frame *f)
   return status;
 }
 
-/* Numbers of a material point that are written one by one and averaged over the cells. */
-typedef struct point_number {
-  const char *name;
-  double (*of)(const gh_rve_measures *m);
-} point_number;
-static double energy(const gh_rve_measures *m) {
-  return m->energy;
-}
-static double coordination(const gh_rve_measures *m) {
-  return m->coordination;
-}
-static double contacts(const gh_rve_measures *m) {
-  return m->contacts;
-}
-static double rattlers(const gh_rve_measures *m) {
-  return m->rattlers;
-}
-static double residual(const gh_rve_measures *m) {
-  return m->residual;
-}
-static double mean_force(const gh_rve_measures *m) {
-  return m->mean_force;
-}
-static double unjammed(const gh_rve_measures *m) {
-  return m->unjammed;
-}
-static double volume_fraction(const gh_rve_measures *m) {
-  return m->volume_fraction;
-}
-static double fabric_xx(const gh_rve_measures *m) {
-  return m->fabric[0];
-}
-static double fabric_xy(const gh_rve_measures *m) {
-  return m->fabric[1];
-}
-static double fabric_yy(const gh_rve_measures *m) {
-  return m->fabric[2];
-}
-static double steps(const gh_rve_measures *m) {
-  return (double)m->steps;
-}
-static double seconds(const gh_rve_measures *m) {
-  return m->seconds;
-}
-static double regularised(const gh_rve_measures *m) {
-  return m->regularised;
-}
-static const point_number numbers[] = {{"energy", energy},       {"coordination", coordination},
-                                       {"contacts", contacts},   {"rattlers", rattlers},
-                                       {"residual", residual},   {"mean_force", mean_force},
-                                       {"unjammed", unjammed},   {"volume_fraction", volume_fraction},
-                                       {"fabric_xx", fabric_xx}, {"fabric_xy", fabric_xy},
-                                       {"fabric_yy", fabric_yy}, {"steps", steps},
-                                       {"seconds", seconds},     {"regularised", regularised}};
-
+/* Each number of the points, and its mean over each element. */
 static gh_status put_numbers(scene_results *r, gh_h5 *file, const scene_frame *f) {
   int np = gh_farm_size(r->farm);
   char name[64];
-  for (size_t k = 0; k < sizeof numbers / sizeof *numbers; k++) {
+  for (size_t k = 0; k < scene_number_count; k++) {
     for (int p = 0; p < np; p++) {
       const gh_rve_measures *m = gh_farm_measure(r->farm, p);
       if (!m) return GH_OK; /* points that are no RVEs have no measures */
-      r->scalar[p] = numbers[k].of(m);
+      r->scalar[p] = scene_numbers[k].of(m);
     }
-    snprintf(name, sizeof name, "points/%s", numbers[k].name);
+    snprintf(name, sizeof name, "points/%s", scene_numbers[k].name);
     GH_TRY(put(r, file, f, name, (size_t)np, 1, r->scalar));
+    if (!scene_numbers[k].mean) continue;
     scene_cell_average(np / 4, 1, r->scalar, r->tensor);
-    snprintf(name, sizeof name, "cells/%s", numbers[k].name);
+    snprintf(name, sizeof name, "cells/%s", scene_numbers[k].name);
     GH_TRY(put(r, file, f, name, (size_t)np / 4, 1, r->tensor));
   }
   return GH_OK;
 }
 
-/* Acoustic tensors: of each point, and the smallest of each cell. */
+/* The point of an element with the smallest acoustic eigenvalue. */
+static size_t least_stable(const double *acoustic, size_t e) {
+  size_t least = 4 * e;
+  for (size_t p = 4 * e + 1; p < 4 * e + 4; p++)
+    if (acoustic[p] < acoustic[least]) least = p;
+  return least;
+}
+
+/* Acoustic tensors: smallest eigenvalue and its direction, of each point and the smallest of each element. */
 static gh_status put_acoustic(scene_results *r, gh_h5 *file, const scene_frame *f) {
-  size_t np = (size_t)gh_farm_size(r->farm);
+  size_t np = (size_t)gh_farm_size(r->farm), ne = np / 4;
   const double *A = gh_macro_A(r->macro);
-  for (size_t p = 0; p < np; p++) r->scalar[p] = gh_acoustic(A + 16 * p, r->tensor + p);
+  double *angle = r->tensor, *cells = r->tensor + np, *normal;
+  for (size_t p = 0; p < np; p++) r->scalar[p] = gh_acoustic(A + 16 * p, angle + p);
   GH_TRY(put(r, file, f, "points/acoustic", np, 1, r->scalar));
-  GH_TRY(put(r, file, f, "points/acoustic_angle", np, 1, r->tensor));
-  for (size_t e = 0; e < np / 4; e++)
-    r->tensor[e] =
-        fmin(fmin(r->scalar[4 * e], r->scalar[4 * e + 1]), fmin(r->scalar[4 * e + 2], r->scalar[4 * e + 3]));
-  return put(r, file, f, "cells/acoustic", np / 4, 1, r->tensor);
+  GH_TRY(put(r, file, f, "points/acoustic_angle", np, 1, angle));
+  GH_TRY(gh_alloc(r->ctx, 3 * ne, sizeof *normal, &normal));
+  for (size_t e = 0; e < ne; e++) {
+    size_t p = least_stable(r->scalar, e);
+    cells[e] = r->scalar[p];
+    normal[3 * e] = cos(angle[p]), normal[3 * e + 1] = sin(angle[p]);
+  }
+  gh_status status = put(r, file, f, "cells/acoustic", ne, 1, cells);
+  if (status == GH_OK) status = put(r, file, f, "cells/acoustic_normal", ne, 3, normal);
+  free(normal);
+  return status;
 }
 
 gh_status scene_write_h5(scene_results *r, const scene_frame *f) {

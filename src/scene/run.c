@@ -1,6 +1,7 @@
 /* The loop over load steps and increments. SPDX-License-Identifier: GPL-2.0-or-later */
-#include "scene/internal.h"
+#include "scene/checkpoint.h"
 
+#include <stdlib.h>
 #include <string.h>
 
 typedef struct run {
@@ -11,7 +12,11 @@ typedef struct run {
   gh_macro *macro;
   gh_loads *loads;
   scene_results *results;
-  gh_run_summary sum;
+  gh_run_summary sum;    /* of this run and those that it goes on from, without the following: */
+  gh_run_summary before; /* cost, farm and seconds up to the checkpoint that was read */
+  double begin;
+  double **begin_u; /* nsteps + 1: displacements when each step began */
+  gh_h5 *pending;   /* checkpoint of the last complete increment, in memory */
   gh_work work;
   int counter;             /* of increments, 0 the start */
   int step, increment;     /* at work */
@@ -33,7 +38,8 @@ static void watch(void *data, const gh_macro_iteration *it) {
 static gh_status tell_stop(run *r) {
   return gh_fail(
       r->ctx, GH_STOPPED,
-      "stopped on request at increment %d of %d of step '%s'; what was done before is complete on disk",
+      "stopped on request at increment %d of %d of step '%s'; what was done before is complete on disk, and "
+      "--restart goes on from there",
       r->increment, gh_scene_increments(r->scene, r->step), gh_scene_step_name(r->scene, r->step));
 }
 
@@ -85,6 +91,68 @@ static gh_status write_frame(run *r, const gh_macro_report *report) {
   return status;
 }
 
+/* ---- checkpoints ---- */
+
+/* What the farm and the clock know goes into the summary. */
+static void sum_up(run *r) {
+  const gh_farm_counts *old = &r->before.farm;
+  gh_farm_counts *now = &r->sum.farm;
+  gh_farm_costs(r->farm, &r->sum.cost);
+  gh_rve_cost_add(&r->sum.cost, &r->before.cost);
+  gh_farm_count(r->farm, now);
+  now->evaluations += old->evaluations, now->steps += old->steps, now->factorisations += old->factorisations;
+  now->computed += old->computed, now->moved += old->moved;
+  now->busy += old->busy, now->longest += old->longest;
+  r->sum.seconds = r->before.seconds + gh_seconds() - r->begin;
+}
+
+/* A checkpoint of the increment that is complete now; to disk when it is due. */
+static gh_status keep(run *r) {
+  double begin = gh_seconds();
+  int every = r->options && r->options->checkpoint_every > 0 ? r->options->checkpoint_every : 1;
+  scene_position here = {
+      .counter = r->counter, .step = r->step, .increment = r->increment, .begin_u = r->begin_u};
+  sum_up(r);
+  here.sum = r->sum;
+  gh_h5_close(&r->pending);
+  GH_TRY(scene_checkpoint_make(r->results, &here, &r->pending));
+  gh_status status = r->counter % every == 0 ? gh_h5_commit(&r->pending) : GH_OK;
+  r->sum.results_seconds += gh_seconds() - begin;
+  return status;
+}
+
+/* The plan knows where it is after it was asked for all increments up to there. */
+static gh_status replay(run *r) {
+  for (int step = 0; step <= r->step; step++) {
+    int last = step < r->step ? gh_scene_increments(r->scene, step) : r->increment;
+    for (int k = 1; k <= last; k++)
+      GH_TRY(gh_scene_loads(r->scene, step, k, k == 1 ? r->begin_u[step] : NULL, r->loads));
+  }
+  return GH_OK;
+}
+
+/* *resumed: the run goes on behind r->step, r->increment. */
+static gh_status resume(run *r, bool *resumed) {
+  *resumed = false;
+  if (!r->options || !r->options->restart) return GH_OK;
+  GH_TRY(scene_checkpoint_find(r->results, resumed));
+  if (!*resumed) {
+    gh_log(r->ctx, GH_LEVEL_WARNING, "there is no checkpoint to restart from: the run begins at the start");
+    return GH_OK;
+  }
+  scene_position at = {.begin_u = r->begin_u};
+  GH_TRY(scene_checkpoint_read(r->results, &at));
+  r->counter = at.counter, r->step = at.step, r->increment = at.increment;
+  r->sum = r->before = at.sum;
+  r->counter++;
+  GH_TRY(replay(r));
+  gh_log(r->ctx, GH_LEVEL_INFO, "going on behind increment %d of %d of step '%s'", r->increment,
+         gh_scene_increments(r->scene, r->step), gh_scene_step_name(r->scene, r->step));
+  return GH_OK;
+}
+
+/* ---- one increment solved ---- */
+
 static gh_status solve(run *r) {
   gh_macro_report report = {0};
   gh_status status = gh_macro_solve(r->macro, r->loads, &report);
@@ -96,6 +164,8 @@ static gh_status solve(run *r) {
   GH_TRY(write_frame(r, &report));
   tell_increment(r, &report);
   r->sum.increments += r->step > 0;
+  r->sum.steps += r->step > 0 && r->increment == gh_scene_increments(r->scene, r->step);
+  GH_TRY(keep(r));
   r->counter++;
   return GH_OK;
 }
@@ -107,14 +177,15 @@ static gh_status solve(run *r) {
 static gh_status check_start(run *r) {
   gh_scene *s = r->scene;
   if (s->start != SCENE_START_NONE || scene_has_load(s) || !scene_boundary_is_free(s)) return GH_OK;
-  double F[4] = {1, 0, 0, 1}, P[4];
-  gh_rve *rve;
-  GH_TRY(gh_rve_create(r->ctx, s->packing, &s->micro, &rve));
-  gh_status status = gh_rve_evaluate(rve, F, 0, P, NULL);
-  gh_rve_destroy(&rve);
-  GH_TRY(status);
-  double largest = 0;
-  for (int k = 0; k < 4; k++) largest = fmax(largest, fabs(P[k]));
+  double F[4] = {1, 0, 0, 1}, P[4], largest = 0;
+  for (int p = 0; p < s->npackings && largest < 1e-10 * s->micro.law.normal_stiffness; p++) {
+    gh_rve *rve;
+    GH_TRY(gh_rve_create(r->ctx, s->packings[p], &s->micro, &rve));
+    gh_status status = gh_rve_evaluate(rve, F, 0, P, NULL);
+    gh_rve_destroy(&rve);
+    GH_TRY(status);
+    for (int k = 0; k < 4; k++) largest = fmax(largest, fabs(P[k]));
+  }
   if (largest < 1e-10 * s->micro.law.normal_stiffness) return GH_OK;
   return gh_fail(r->ctx, GH_INPUT,
                  "%s:%d: the packing is under stress as it is (P11 = %.4g, P22 = %.4g), no load acts at the "
@@ -143,36 +214,64 @@ static gh_status begin_start(run *r) {
 
 /* ---- all steps ---- */
 
-static gh_status run_step(run *r, int step) {
+/* The plan of a step starts from the displacements that it finds. */
+static gh_status note_begin(run *r) {
+  size_t ndof = 2 * (size_t)r->scene->mesh->nnodes;
+  double **u = r->begin_u + r->step;
+  if (!*u) GH_TRY(gh_alloc(r->ctx, ndof, sizeof **u, u));
+  memcpy(*u, gh_macro_u(r->macro), ndof * sizeof **u);
+  return GH_OK;
+}
+
+/* The increments of a step from `first` on. */
+static gh_status run_step(run *r, int step, int first) {
   int increments = gh_scene_increments(r->scene, step);
   r->step = step;
   gh_work_begin(r->ctx, &r->work, gh_scene_step_name(r->scene, step), "increments", increments);
   gh_status status = GH_OK;
-  int k = 1;
+  int k = first;
   for (; k <= increments; k++) {
     r->increment = k;
     GH_TRY_OR(ask_stop(r), done);
+    if (k == 1) GH_TRY_OR(note_begin(r), done);
     GH_TRY_OR(gh_scene_loads(r->scene, step, k, gh_macro_u(r->macro), r->loads), done);
     GH_TRY_OR(solve(r), done);
     gh_work_advance(r->ctx, &r->work, k);
   }
-  r->sum.steps++;
 done:
   gh_work_end(r->ctx, &r->work, k - 1);
   return status;
 }
 
 static gh_status run_all(run *r) {
-  GH_TRY(begin_start(r));
-  for (int step = 1; step <= gh_scene_steps(r->scene); step++) GH_TRY(run_step(r, step));
+  bool resumed;
+  GH_TRY(resume(r, &resumed));
+  if (!resumed) GH_TRY(begin_start(r));
+  int step = r->step, next = r->increment + 1; /* after the start: behind its only increment */
+  for (; step <= gh_scene_steps(r->scene); step++, next = 1)
+    if (next <= gh_scene_increments(r->scene, step)) GH_TRY(run_step(r, step, next));
   return GH_OK;
+}
+
+static gh_status make_farm(run *r) {
+  const gh_scene *s = r->scene;
+  gh_farm_setup setup = {.n = r->sum.points,
+                         .npackings = s->npackings,
+                         .packings = (const gh_packing *const *)s->packings,
+                         .packing_of = s->packing_of,
+                         .rve = s->micro,
+                         .no_share = s->no_share,
+                         .resident = s->resident};
+  if (r->options) setup.comm = r->options->comm, setup.no_balance = r->options->no_balance;
+  return gh_farm_create_shared(r->ctx, &setup, &r->farm);
 }
 
 static gh_status open_run(run *r, const char *folder) {
   const gh_scene *s = r->scene;
   GH_TRY(scene_results_check(r->ctx, folder));
   r->sum.points = 4 * s->mesh->nelements;
-  GH_TRY(gh_farm_create_rves(r->ctx, r->sum.points, s->packing, &s->micro, &r->farm));
+  GH_TRY(gh_alloc(r->ctx, (size_t)s->nsteps + 1, sizeof *r->begin_u, &r->begin_u));
+  GH_TRY(make_farm(r));
   if (r->options) gh_farm_set_stop(r->farm, r->options->stop, r->options->stop_data);
   GH_TRY(gh_macro_create(r->ctx, s->mesh, r->farm, &s->solver, &r->macro));
   GH_TRY(gh_loads_create(r->ctx, s->mesh, &r->loads));
@@ -187,23 +286,28 @@ static gh_status close_run(run *r, gh_status status) {
   snprintf(message, sizeof message, "%s", status == GH_OK ? "" : gh_message(r->ctx));
   const char *outcome = status == GH_OK ? "done" : status == GH_STOPPED ? "stopped" : gh_status_text(status);
   gh_status closed = scene_results_close(r->results, status, outcome, message, &r->sum);
+  if (r->pending) { /* not yet due, but the last one of this run */
+    gh_status kept = gh_h5_commit(&r->pending);
+    if (closed == GH_OK) closed = kept;
+  }
   if (status == GH_OK) return closed;
   return gh_fail(r->ctx, status, "%s", message);
 }
 
 gh_status gh_scene_run(gh_scene *scene, const char *folder, const gh_run_options *options,
                        gh_run_summary *summary) {
-  run r = {.scene = scene, .ctx = scene->ctx, .options = options};
-  double begin = gh_seconds();
+  run r = {.scene = scene, .ctx = scene->ctx, .options = options, .begin = gh_seconds()};
   gh_status status = open_run(&r, folder);
   if (status == GH_OK) {
     status = run_all(&r);
     if (status == GH_STOPPED) tell_stop(&r);
-    gh_farm_costs(r.farm, &r.sum.cost);
+    sum_up(&r);
     r.sum.unjammed = scene_results_unjammed(r.results, &r.sum.min_acoustic);
-    r.sum.seconds = gh_seconds() - begin;
     status = close_run(&r, status);
   }
+  for (int k = 0; r.begin_u && k <= scene->nsteps; k++) free(r.begin_u[k]);
+  free(r.begin_u);
+  gh_h5_close(&r.pending);
   scene_results_destroy(&r.results);
   gh_loads_destroy(&r.loads);
   gh_macro_destroy(&r.macro);

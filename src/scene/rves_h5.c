@@ -1,14 +1,20 @@
-/* rves.h5: grains and contacts of the recorded material points. SPDX-License-Identifier: GPL-2.0-or-later */
+/* rves.h5: grains and contacts of the recorded material points at the last increment; traces.h5: where their
+ * grains were at all increments. SPDX-License-Identifier: GPL-2.0-or-later */
 #include "scene/results.h"
 
 #include <stdlib.h>
 #include <string.h>
 
+gh_status scene_look_at_point(scene_results *r, int point, gh_rve_view *view, const gh_rve_measures **m) {
+  *m = gh_farm_measure(r->farm, point);
+  return *m ? gh_farm_look(r->farm, point, view) : GH_OK;
+}
+
 static gh_status put_rve(scene_results *r, gh_h5 *file, int point) {
   gh_rve_view v;
-  gh_rve *rve = gh_farm_rve(r->farm, point);
-  if (!rve) return GH_OK;
-  GH_TRY(gh_rve_look(rve, &v));
+  const gh_rve_measures *m;
+  GH_TRY(scene_look_at_point(r, point, &v, &m));
+  if (!m) return GH_OK;
   size_t n = (size_t)v.n, nc = (size_t)v.ncontacts, most = n > nc ? n : nc;
   char name[64];
   double *row = NULL;
@@ -28,7 +34,7 @@ static gh_status put_rve(scene_results *r, gh_h5 *file, int point) {
   PUT(doubles, "cell", 1, 4, v.cell);
   PUT(doubles, "low", 1, 2, v.low);
   PUT(ints, "periodic", 1, 1, &periodic);
-  PUT(doubles, "cauchy", 1, 4, gh_rve_measure(rve)->cauchy);
+  PUT(doubles, "cauchy", 1, 4, m->cauchy);
   for (size_t k = 0; k < nc; k++) {
     pairs[2 * k] = v.contacts[k].i, pairs[2 * k + 1] = v.contacts[k].j;
     memcpy(row + 4 * k, v.contacts[k].l, 2 * sizeof *row);
@@ -36,6 +42,13 @@ static gh_status put_rve(scene_results *r, gh_h5 *file, int point) {
   }
   PUT(ints, "contact_pairs", nc, 2, pairs);
   PUT(doubles, "contact_branch_force", nc, 4, row);
+  if (v.theta) {
+    PUT(doubles, "rotations", n, 1, v.theta);
+  }
+  for (size_t k = 0; k < nc && v.friction; k++) pairs[k] = v.friction[k].slides != 0;
+  if (v.friction) {
+    PUT(ints, "contact_sliding", nc, 1, pairs);
+  }
 #undef PUT
 done:
   free(row);
@@ -43,25 +56,79 @@ done:
   return status;
 }
 
-/* What the scene asks for; without a wish all points if they are few, else the first, the most loaded and the
- * one nearest to losing ellipticity. */
-gh_status scene_write_rves(scene_results *r, const scene_frame *f) {
-  int points = gh_farm_size(r->farm), wanted = r->scene->nrves,
-      chosen[3] = {0, r->most_loaded, r->least_stable};
-  const int *list = r->scene->rves;
-  bool all = wanted == SCENE_ALL_RVES || (wanted == SCENE_FEW_RVES && points <= SCENE_FEW);
-  if (!all && wanted == SCENE_FEW_RVES) list = chosen, wanted = 3;
-  if (!all && wanted == 0) return GH_OK;
+/* What is recorded of a point: 0 nothing, 1 the last increment, 2 all positions too. */
+enum { LAST = 1, ALL_INCREMENTS = 2, REPLICA = 4 /* flag of a grain */ };
+
+static void take_list(unsigned char *take, int points, const int *list, int count) {
+  for (int k = 0; k < (count == SCENE_ALL_RVES ? points : count); k++)
+    take[count == SCENE_ALL_RVES ? k : list[k]] = ALL_INCREMENTS;
+}
+
+/* What the scene asks for, and what it dumps; without a wish all points if they are few, else the first, the
+ * most loaded and the one nearest to losing ellipticity. The latter two change from increment to increment.
+ */
+static void choose(const scene_results *r, unsigned char *take) {
+  const gh_scene *s = r->scene;
+  int points = gh_farm_size(r->farm);
+  take_list(take, points, s->dumps, s->ndumps);
+  if (s->nrves != SCENE_FEW_RVES) take_list(take, points, s->rves, s->nrves);
+  else if (points <= SCENE_FEW) take_list(take, points, NULL, SCENE_ALL_RVES);
+  else {
+    take[0] = ALL_INCREMENTS;
+    if (!take[r->most_loaded]) take[r->most_loaded] = LAST;
+    if (!take[r->least_stable]) take[r->least_stable] = LAST;
+  }
+}
+
+/* The primary grains come first; replicas follow them. */
+static size_t primaries(const gh_rve_view *v) {
+  size_t n = 0;
+  while (n < (size_t)v->n && !(v->flags[n] & REPLICA)) n++;
+  return n;
+}
+
+static gh_status put_trace(scene_results *r, gh_h5 *file, int point, int counter) {
+  gh_rve_view v;
+  const gh_rve_measures *m;
+  char name[64];
+  GH_TRY(scene_look_at_point(r, point, &v, &m));
+  if (!m) return GH_OK;
+  bool there = counter > 0; /* a run that goes on from a checkpoint may have written further than that */
+  for (int k = counter; there; k++) {
+    snprintf(name, sizeof name, "/trace/%04d/step%04d", point, k);
+    GH_TRY(gh_h5_remove(file, name, &there));
+  }
+  snprintf(name, sizeof name, "/trace/%04d/step%04d", point, counter);
+  return gh_h5_put_doubles(file, name, primaries(&v), 2, v.x);
+}
+
+/* rves.h5 is of this increment alone, traces.h5 grows. */
+static gh_status write_file(scene_results *r, const scene_frame *f, const unsigned char *take, bool traces) {
   char *path;
   gh_h5 *file = NULL;
-  GH_TRY(scene_result_path(r, "rves.h5", &path));
-  gh_status status = gh_h5_open(r->ctx, path, false, &file);
+  GH_TRY(scene_result_path(r, traces ? "traces.h5" : "rves.h5", &path));
+  gh_status status = gh_h5_open(r->ctx, path, traces && f->counter > 0, &file);
   free(path);
   if (status != GH_OK) return status;
   GH_TRY_OR(gh_h5_put_ints(file, "/step", 1, 1, &f->counter), failed);
-  for (int k = 0; k < (all ? points : wanted); k++) GH_TRY_OR(put_rve(r, file, all ? k : list[k]), failed);
+  for (int k = 0; k < gh_farm_size(r->farm); k++) {
+    if (traces && take[k] == ALL_INCREMENTS) GH_TRY_OR(put_trace(r, file, k, f->counter), failed);
+    if (!traces && take[k]) GH_TRY_OR(put_rve(r, file, k), failed);
+  }
   return gh_h5_commit(&file);
 failed:
   gh_h5_close(&file);
+  return status;
+}
+
+gh_status scene_write_rves(scene_results *r, const scene_frame *f) {
+  unsigned char *take;
+  size_t points = (size_t)gh_farm_size(r->farm);
+  GH_TRY(gh_alloc(r->ctx, points, 1, &take));
+  choose(r, take);
+  bool traces = memchr(take, ALL_INCREMENTS, points), any = traces || memchr(take, LAST, points);
+  gh_status status = any ? write_file(r, f, take, false) : GH_OK;
+  if (status == GH_OK && traces) status = write_file(r, f, take, true);
+  free(take);
   return status;
 }

@@ -12,3 +12,5 @@ if command -v taskset >/dev/null 2>&1; then one="taskset -c 0"; fi
 $one "$build/tests/bench/rve"
 echo
 $one "$build/tests/bench/grow"
+echo
+tests/bench/farm.sh "$build"

@@ -60,9 +60,6 @@ awk 'NR == FNR { for (c = 1; c <= 4; c++) a[FNR, c] = $c; next }
   FNR > 1 { for (c = 1; c <= 4; c++) { d = $c - a[FNR, c]; if (d < 0) d = -d; if (d > 2e-9) exit 1; n++ } }
   END { if (n != 80) exit 1 }' one.txt two.txt
 say $? 'and gives the figures of one rank'
-ranks "$granhom" run "$root/scenes/block/p02_taylor.yaml" -o out
-told 2 'runs on one rank, and it was started on 2' 'run refuses two ranks: exit 2 on both'
-[ ! -e out ]; say $? 'and writes nothing'
 printf 'step,F11,F12,F21,F22\n0,1,0,0,1\n' >path.csv
 ranks "$granhom" rve "$inputs/p150.data" --path path.csv -o out.csv
 told 2 'runs on one rank, and it was started on 2' 'rve refuses two ranks: exit 2 on both'

@@ -411,7 +411,8 @@ static void a_farm_of_anything(void **state) {
   OK(gh_farm_commit(farm));
   OK(gh_farm_revert(farm));
   assert_true(log[0] == 3 && log[1] == 3 && log[2] == 0);
-  assert_null(gh_farm_rve(farm, 0));
+  gh_rve_view view;
+  FAILS(gh_farm_look(farm, 0, &view), GH_INPUT, "no RVE to look at");
   assert_null(gh_farm_measure(farm, 0));
   gh_farm_destroy(&farm);
   assert_null(farm);
@@ -470,8 +471,8 @@ static void a_farm_of_rves(void **state) {
     }
     assert_memory_equal(alone, P + 8, sizeof alone);
     assert_memory_equal(tangent, A + 32, sizeof tangent);
-    assert_true(gh_farm_measure(farm, 2)->P[0] == alone[0] && gh_farm_rve(farm, 3) == NULL &&
-                gh_farm_rve(farm, -1) == NULL);
+    assert_true(gh_farm_measure(farm, 2)->P[0] == alone[0] && gh_farm_measure(farm, 3) == NULL &&
+                gh_farm_measure(farm, -1) == NULL);
     gh_rve_cost cost;
     gh_farm_costs(farm, &cost);
     assert_true(cost.evaluations >= 6 && cost.steps > 0 && cost.total > 0);

@@ -4,7 +4,11 @@
  * lattice vector taken off the second until the tilt is at most half, the grains are turned by Q^T and
  * wrapped. Vectors that come out are turned back by Q. A cluster keeps its frame and has no images.
  * gh_engine_set writes into LAMMPS's arrays and forces a new neighbour list: what follows depends on nothing
- * that came before. */
+ * that came before.
+ *
+ * With friction, state n is kept as it was given. Each gh_engine_set turns it into the frame of that cell:
+ * the same rotation, the same lattice vectors taken off the positions, and the same change of the basis, with
+ * the lattice of n; keys of contacts change by the vectors taken off and by the basis. */
 #include "engine/lammps/guard.h"
 #include "engine/ops.h"
 
@@ -16,7 +20,35 @@
 /* Skin over the mean radius: see docs/performance.md for the measurement. */
 #define SKIN 0.2
 /* Columns of compute granhom/contact/local. */
-enum { TAG1, TAG2, LX, LY, LZ, FX, FY, FZ, OVERLAP, ENERGY, HXX, HXY, HXZ, HYY, HYZ, HZZ };
+enum {
+  TAG1,
+  TAG2,
+  LX,
+  LY,
+  LZ,
+  FX,
+  FY,
+  FZ,
+  OVERLAP,
+  ENERGY,
+  HXX,
+  HXY,
+  HXZ,
+  HYY,
+  HYZ,
+  HZZ,
+  COUPLE,
+  SLIP_FORCE,
+  GAMMA,
+  GAMMA_PL,
+  ALPHA,
+  SLIDES,
+  KX,
+  KY,
+  ENERGY_T,
+  DISSIPATED,
+  DERIVATIVE
+};
 enum { NO_IMAGE = (512 << 20) | (512 << 10) | 512 };
 enum { MOST_TYPES = 1000 };
 
@@ -40,6 +72,18 @@ typedef struct bridge {
   int *order, *first; /* scratch: rows by grain */
   double *shift;
   gh_contact *contacts;
+  /* with friction only */
+  gh_contact_law law;
+  double cell_n[4];
+  double *x_n, *theta_n; /* n x 2, n: state n as given */
+  double *theta;         /* n: rotations as set or moved */
+  double *frame_n;       /* n x 2: x_n as LAMMPS is to know it */
+  double *moment;
+  gh_slip *slips, *keyed; /* nslips: as given, with LAMMPS's keys */
+  gh_friction *friction;
+  int *image; /* scratch: 2 per row */
+  int nslips;
+  size_t slip_capacity, keyed_capacity, friction_capacity, image_capacity;
   size_t order_capacity, shift_capacity, contact_capacity;
   gh_engine_cost cost;
 } bridge;
@@ -133,6 +177,52 @@ static gh_status write_move(bridge *e) {
   return GH_OK;
 }
 
+/* ---- state n ---- */
+
+/* Image between positions as given, in the basis of the cell, from LAMMPS's and back. */
+static void image_as_given(const bridge *e, int i, int j, const int k[2], int image[2]) {
+  image[1] = k[1] + (int)(e->wrap[2 * i + 1] - e->wrap[2 * j + 1]);
+  image[0] = k[0] + (int)(e->wrap[2 * i] - e->wrap[2 * j]) - e->lattice_shift * image[1];
+}
+
+static void image_of_lammps(const bridge *e, int i, int j, const int image[2], int k[2]) {
+  k[0] = image[0] + e->lattice_shift * image[1] + (int)(e->wrap[2 * j] - e->wrap[2 * i]);
+  k[1] = image[1] + (int)(e->wrap[2 * j + 1] - e->wrap[2 * i + 1]);
+}
+
+/* Lattice of n in the frame and the basis of the present cell. */
+static void lattice_n(const bridge *e, double H[4]) {
+  memcpy(H, (double[4]){1, 0, 0, 1}, 4 * sizeof *H);
+  if (!e->periodic) return;
+  double a[2] = {e->cell_n[0], e->cell_n[2]}, b[2] = {e->cell_n[1], e->cell_n[3]};
+  for (int k = 0; k < 2; k++) b[k] -= e->lattice_shift * a[k];
+  transpose_apply(e->q, a, a);
+  transpose_apply(e->q, b, b);
+  memcpy(H, (double[4]){a[0], b[0], a[1], b[1]}, 4 * sizeof *H);
+}
+
+/* State n belongs to the frame and the images of the last write_set. */
+static gh_status write_history(bridge *e) {
+  double H[4];
+  lattice_n(e, H);
+  for (int i = 0; i < e->n; i++) {
+    const double *w = &e->wrap[2 * i];
+    double *y = &e->frame_n[2 * i];
+    transpose_apply(e->q, &e->x_n[2 * i], y);
+    for (int k = 0; k < 2 && e->periodic; k++) y[k] -= H[2 * k] * w[0] + H[2 * k + 1] * w[1];
+  }
+  for (int c = 0; c < e->nslips; c++) {
+    e->keyed[c] = e->slips[c];
+    image_of_lammps(e, e->slips[c].i, e->slips[c].j, e->slips[c].image, e->keyed[c].image);
+  }
+  return gh_lmp_history(e->ctx, e->lmp, H, e->frame_n, e->theta_n, e->keyed, e->nslips);
+}
+
+/* Grains that do not rotate stay as they were at n, whatever is asked for. */
+static gh_status write_rotations(bridge *e) {
+  return gh_lmp_set_rotations(e->ctx, e->lmp, e->law.fixed_rotations ? e->theta_n : e->theta);
+}
+
 /* LAMMPS evaluates the forces at the given positions; write puts them into its arrays. The first run, and the
  * first after a failure, sets LAMMPS up, and what it computes is dropped. */
 static gh_status evaluate(bridge *e, gh_status (*write)(bridge *)) {
@@ -143,6 +233,10 @@ static gh_status evaluate(bridge *e, gh_status (*write)(bridge *)) {
     GH_TRY(gh_lmp_command(e->ctx, e->lmp, "run 0 post no"));
   }
   GH_TRY(write(e));
+  if (e->law.friction) {
+    if (!started || write == write_set) GH_TRY(write_history(e));
+    GH_TRY(write_rotations(e));
+  }
   GH_TRY(gh_lmp_command(e->ctx, e->lmp, "run 1 pre no post no"));
   e->valid = e->started = true;
   return GH_OK;
@@ -179,8 +273,9 @@ static void bridge_destroy(void *self) {
   bridge *e = self;
   if (!e) return;
   gh_lmp_close(&e->lmp);
-  void *const arrays[] = {e->held, e->given, e->x,     e->force, e->radius,  e->type,
-                          e->wrap, e->order, e->first, e->shift, e->contacts};
+  void *const arrays[] = {e->held,    e->given,  e->x,     e->force,    e->radius,   e->type,    e->wrap,
+                          e->order,   e->first,  e->shift, e->contacts, e->x_n,      e->theta_n, e->theta,
+                          e->frame_n, e->moment, e->slips, e->keyed,    e->friction, e->image};
   for (size_t k = 0; k < sizeof arrays / sizeof *arrays; k++) free(arrays[k]);
   free(e);
 }
@@ -194,6 +289,14 @@ static gh_status allocate(gh_context *ctx, bridge *e) {
   GH_TRY(gh_alloc(ctx, 2 * n, d, &e->wrap));
   GH_TRY(gh_alloc(ctx, n, d, &e->radius));
   GH_TRY(gh_alloc(ctx, n, sizeof(int), &e->type));
+  if (e->law.friction) {
+    GH_TRY(gh_alloc(ctx, 2 * n, d, &e->x_n));
+    GH_TRY(gh_alloc(ctx, 2 * n, d, &e->frame_n));
+    GH_TRY(gh_alloc(ctx, n, d, &e->theta_n));
+    GH_TRY(gh_alloc(ctx, n, d, &e->theta));
+    GH_TRY(gh_alloc(ctx, n, d, &e->moment));
+    GH_TRY(gh_grow(ctx, 1, sizeof(gh_friction), &e->friction_capacity, &e->friction)); /* never NULL */
+  }
   return gh_alloc(ctx, n + 1, sizeof(int), &e->first);
 }
 
@@ -247,7 +350,20 @@ static gh_status set_grains(bridge *e, int free_bit) {
   return GH_OK;
 }
 
-static gh_status set_styles(bridge *e, double stiffness) {
+static gh_status set_law(bridge *e) {
+  const gh_contact_law *law = &e->law;
+  if (!law->friction) {
+    GH_TRY(gh_lmp_command(e->ctx, e->lmp, "pair_style granhom/normal"));
+    return gh_lmp_command(e->ctx, e->lmp, "pair_coeff * * %.17g", law->normal_stiffness);
+  }
+  GH_TRY(gh_lmp_command(e->ctx, e->lmp, "pair_style granhom/coulomb increment manual slip %s rotations %s",
+                        law->slip == GH_SLIP_OBJECTIVE ? "objective" : "projected",
+                        law->fixed_rotations ? "fixed" : "free"));
+  return gh_lmp_command(e->ctx, e->lmp, "pair_coeff * * %.17g %.17g %.17g %.17g", law->normal_stiffness,
+                        law->tangential_stiffness, law->friction_coefficient, law->hardening);
+}
+
+static gh_status set_styles(bridge *e) {
   gh_context *ctx = e->ctx;
   void *lmp = e->lmp;
   double mean = 0;
@@ -256,8 +372,7 @@ static gh_status set_styles(bridge *e, double stiffness) {
   GH_TRY(gh_lmp_command(ctx, lmp, "neighbor %.17g bin", SKIN * mean));
   /* one: the largest grain of a wide size distribution has thousands of candidates around it */
   GH_TRY(gh_lmp_command(ctx, lmp, "neigh_modify every 1 delay 0 check yes one 10000"));
-  GH_TRY(gh_lmp_command(ctx, lmp, "pair_style granhom/normal"));
-  GH_TRY(gh_lmp_command(ctx, lmp, "pair_coeff * * %.17g", stiffness));
+  GH_TRY(set_law(e));
   GH_TRY(gh_lmp_command(ctx, lmp, "group free empty"));
   GH_TRY(gh_lmp_command(ctx, lmp, "fix " FIX " free granhom/relax inner yes"));
   GH_TRY(gh_lmp_command(ctx, lmp, "compute " COMPUTE " all granhom/contact/local"));
@@ -289,13 +404,13 @@ static gh_status bridge_create(gh_context *ctx, const gh_engine_setup *setup, vo
   int types;
   gh_status status;
   GH_TRY(gh_alloc(ctx, 1, sizeof *e, &e));
-  *e = (bridge){.ctx = ctx, .n = setup->n, .periodic = setup->periodic, .q = {1, 0, 0, 1}};
+  *e = (bridge){.ctx = ctx, .n = setup->n, .periodic = setup->periodic, .law = setup->law, .q = {1, 0, 0, 1}};
   GH_TRY_OR(allocate(ctx, e), failed);
   GH_TRY_OR(take_setup(e, setup, &types), failed);
   GH_TRY_OR(gh_lmp_open(ctx, &e->lmp), failed);
   GH_TRY_OR(make_box(e, types), failed);
   GH_TRY_OR(make_atoms(e), failed);
-  GH_TRY_OR(set_styles(e, setup->law.normal_stiffness), failed);
+  GH_TRY_OR(set_styles(e), failed);
   *self = e;
   return GH_OK;
 failed:
@@ -325,8 +440,21 @@ static gh_status check_bins(const bridge *e) {
                  e->periodic ? "cell" : "packing", width[0], width[1], 2 * largest);
 }
 
+static gh_status bridge_begin(void *self, const gh_converged *state) {
+  bridge *e = self;
+  const size_t n = (size_t)e->n, slips = (size_t)state->nslips;
+  GH_TRY(gh_grow(e->ctx, slips, sizeof *e->slips, &e->slip_capacity, &e->slips));
+  GH_TRY(gh_grow(e->ctx, slips, sizeof *e->keyed, &e->keyed_capacity, &e->keyed));
+  memcpy(e->x_n, state->x, 2 * n * sizeof(double));
+  memcpy(e->theta_n, state->theta, n * sizeof(double));
+  if (slips) memcpy(e->slips, state->slips, slips * sizeof *e->slips);
+  if (e->periodic) memcpy(e->cell_n, state->cell, sizeof e->cell_n);
+  e->nslips = state->nslips;
+  e->valid = false; /* until the next gh_engine_set */
+  return GH_OK;
+}
+
 static gh_status bridge_set(void *self, const double cell[4], const double *x, const double *theta) {
-  (void)theta;
   bridge *e = self;
   double start = gh_seconds();
   if (e->periodic) {
@@ -334,6 +462,7 @@ static gh_status bridge_set(void *self, const double cell[4], const double *x, c
     split_cell(e);
   }
   memcpy(e->given, x, 2 * (size_t)e->n * sizeof(double));
+  if (e->law.friction) memcpy(e->theta, theta, (size_t)e->n * sizeof(double));
   e->valid = false;
   gh_status status = check_bins(e);
   if (status == GH_OK) status = evaluate(e, write_set);
@@ -342,11 +471,11 @@ static gh_status bridge_set(void *self, const double cell[4], const double *x, c
 }
 
 static gh_status bridge_move(void *self, const double *x, const double *theta) {
-  (void)theta;
   bridge *e = self;
   double start = gh_seconds();
   GH_TRY(check_valid(e));
   memcpy(e->given, x, 2 * (size_t)e->n * sizeof(double));
+  if (e->law.friction) memcpy(e->theta, theta, (size_t)e->n * sizeof(double));
   gh_status status = evaluate(e, write_move);
   e->cost.set_seconds += gh_seconds() - start;
   return status;
@@ -407,8 +536,13 @@ static void image_shift(const bridge *e, const double *row, double shift[2]) {
   shift[1] = e->cell[2] * kx + e->cell[3] * ky;
 }
 
+/* By image with friction; else by the sum of lattice vectors, the order of the native engine. */
 static bool before(const bridge *e, double **rows, int a, int b) {
   if (rows[a][TAG2] != rows[b][TAG2]) return rows[a][TAG2] < rows[b][TAG2];
+  if (e->law.friction) {
+    const int *p = &e->image[2 * a], *q = &e->image[2 * b];
+    return p[1] != q[1] ? p[1] < q[1] : p[0] < q[0];
+  }
   if (e->shift[2 * a + 1] != e->shift[2 * b + 1]) return e->shift[2 * a + 1] < e->shift[2 * b + 1];
   return e->shift[2 * a] < e->shift[2 * b];
 }
@@ -431,20 +565,67 @@ static void sort_rows(bridge *e, double **rows, int count) {
   }
 }
 
+/* The tangential part of a row in the frame of space: moments, couple and slip do not turn. */
+static void turn_friction(const bridge *e, const double *row, const int *image, gh_friction *f) {
+  const double *d = row + DERIVATIVE, *q = e->q, ff[4] = {d[0], d[1], d[3], d[4]},
+               qt[4] = {q[0], q[2], q[1], q[3]}, fq[2] = {d[2], d[5]}, ml[2] = {d[6], d[7]};
+  double r[4], a[2], b[2];
+  *f = (gh_friction){.slip = {.i = (int)row[TAG1] - 1,
+                              .j = (int)row[TAG2] - 1,
+                              .image = {image[0], image[1]},
+                              .gamma = row[GAMMA],
+                              .gamma_pl = row[GAMMA_PL],
+                              .alpha = row[ALPHA]},
+                     .force = row[SLIP_FORCE],
+                     .couple = row[COUPLE],
+                     .energy = row[ENERGY_T],
+                     .dissipated = row[DISSIPATED],
+                     .slides = row[SLIDES] != 0};
+  gh_mul2(q, ff, r);
+  gh_mul2(r, qt, r);
+  gh_apply2(q, fq, a);
+  gh_apply2(q, ml, b);
+  memcpy(f->d, (double[9]){r[0], r[1], a[0], r[2], r[3], a[1], b[0], b[1], d[8]}, sizeof f->d);
+}
+
+/* Keys and order of the rows. */
+static gh_status sort_contacts(bridge *e, double **rows, int count) {
+  const size_t m = (size_t)count;
+  if (e->law.friction) {
+    GH_TRY(gh_grow(e->ctx, 2 * m, sizeof *e->image, &e->image_capacity, &e->image));
+    GH_TRY(gh_grow(e->ctx, m, sizeof *e->friction, &e->friction_capacity, &e->friction));
+    for (int a = 0; a < count; a++) {
+      const int k[2] = {(int)rows[a][KX], (int)rows[a][KY]};
+      image_as_given(e, (int)rows[a][TAG1] - 1, (int)rows[a][TAG2] - 1, k, &e->image[2 * a]);
+    }
+  } else {
+    GH_TRY(gh_grow(e->ctx, 2 * m, sizeof *e->shift, &e->shift_capacity, &e->shift));
+    for (int a = 0; a < count; a++) image_shift(e, rows[a], &e->shift[2 * a]);
+  }
+  sort_rows(e, rows, count);
+  return GH_OK;
+}
+
 static gh_status collect(bridge *e, int *count) {
   double **rows;
   GH_TRY(gh_lmp_local(e->ctx, e->lmp, COMPUTE, count, &rows));
   size_t m = (size_t)*count;
   GH_TRY(gh_grow(e->ctx, m, sizeof *e->order, &e->order_capacity, &e->order));
-  GH_TRY(gh_grow(e->ctx, 2 * m, sizeof *e->shift, &e->shift_capacity, &e->shift));
   GH_TRY(gh_grow(e->ctx, m, sizeof *e->contacts, &e->contact_capacity, &e->contacts));
   GH_TRY(read_positions(e));
-  for (int a = 0; a < *count; a++) image_shift(e, rows[a], &e->shift[2 * a]);
-  sort_rows(e, rows, *count);
-  for (int p = 0; p < *count; p++) turn_contact(e, rows[e->order[p]], &e->contacts[p]);
+  GH_TRY(sort_contacts(e, rows, *count));
+  for (int p = 0; p < *count; p++) {
+    const int r = e->order[p];
+    turn_contact(e, rows[r], &e->contacts[p]);
+    if (e->law.friction) turn_friction(e, rows[r], &e->image[2 * r], &e->friction[p]);
+  }
   atoms a;
   GH_TRY(look(e, &a));
   for (int k = 0; k < e->n; k++) gh_apply2(e->q, a.f[k], &e->force[2 * (a.tag[k] - 1)]);
+  if (!e->law.friction) return GH_OK;
+  double **torque;
+  GH_TRY(gh_lmp_atom(e->ctx, e->lmp, "torque", &torque));
+  for (int k = 0; k < e->n; k++) e->moment[a.tag[k] - 1] = torque[k][2];
   return GH_OK;
 }
 
@@ -454,19 +635,22 @@ static gh_status bridge_contacts(void *self, gh_contact_list *list) {
   GH_TRY(check_valid(e));
   int count;
   GH_TRY(collect(e, &count));
-  *list = (gh_contact_list){.count = count, .contacts = e->contacts, .force = e->force};
+  *list = (gh_contact_list){.count = count,
+                            .contacts = e->contacts,
+                            .friction = e->friction,
+                            .force = e->force,
+                            .moment = e->moment};
   e->cost.evaluations++;
   e->cost.contact_seconds += gh_seconds() - start;
   return GH_OK;
 }
 
 static gh_status bridge_get(void *self, double *x, double *theta) {
-  (void)theta;
   bridge *e = self;
   GH_TRY(check_valid(e));
   GH_TRY(read_positions(e));
   memcpy(x, e->x, 2 * (size_t)e->n * sizeof(double));
-  return GH_OK;
+  return e->law.friction ? gh_lmp_get_rotations(e->ctx, e->lmp, theta) : GH_OK;
 }
 
 static void bridge_costs(const void *self, gh_engine_cost *cost) {
@@ -478,6 +662,7 @@ static void bridge_costs(const void *self, gh_engine_cost *cost) {
 const gh_engine_ops gh_lammps_ops = {.name = "lammps",
                                      .create = bridge_create,
                                      .destroy = bridge_destroy,
+                                     .begin = bridge_begin,
                                      .set = bridge_set,
                                      .move = bridge_move,
                                      .relax = bridge_relax,

@@ -1,4 +1,5 @@
-/* LAMMPS compute granhom/contact/local: the contacts of pair style granhom/normal as a local array.
+/* LAMMPS compute granhom/contact/local: the contacts of the pair styles granhom/normal and
+ * granhom/coulomb as a local array; the base of granhom/stress and granhom/tangent.
  * SPDX-License-Identifier: GPL-2.0-or-later */
 #ifndef GRANHOM_LAMMPS_COMPUTE_CONTACT_H
 #define GRANHOM_LAMMPS_COMPUTE_CONTACT_H
@@ -9,12 +10,43 @@
 
 namespace granhom {
 
+class PairCoulomb;
 class PairNormal;
 
 class ComputeContact : public LAMMPS_NS::Compute {
 public:
-  /* Columns of a row. */
-  enum column { TAG1, TAG2, LX, LY, LZ, FX, FY, FZ, OVERLAP, ENERGY, HXX, HXY, HXZ, HYY, HYZ, HZZ, COLUMNS };
+  /* Columns of a row; from COUPLE on with friction only. */
+  enum column {
+    TAG1,
+    TAG2,
+    LX,
+    LY,
+    LZ,
+    FX,
+    FY,
+    FZ,
+    OVERLAP,
+    ENERGY,
+    HXX,
+    HXY,
+    HXZ,
+    HYY,
+    HYZ,
+    HZZ, /* both styles */
+    COUPLE,
+    SLIP_FORCE,
+    GAMMA,
+    GAMMA_PL,
+    ALPHA,
+    SLIDES,
+    KX,
+    KY,
+    ENERGY_T,
+    DISSIPATED,
+    DERIVATIVE,
+    COLUMNS_NORMAL = COUPLE,
+    COLUMNS = DERIVATIVE + 9
+  };
   ComputeContact(LAMMPS_NS::LAMMPS *lmp, int narg, char **arg);
   ~ComputeContact() override;
   void init() override;
@@ -22,16 +54,25 @@ public:
   void compute_vector() override;
   double memory_usage() override;
 
-private:
-  enum { TOTALS = 8 }; /* sxx syy szz sxy sxz syz, energy, number of contacts */
-  double totals[TOTALS] = {};
-  int rows_allocated = 0;
+protected:
   double **rows = nullptr;
   PairNormal *pair() const;
+  PairCoulomb *friction() const; /* null without */
+  /* Rows of the contacts on this rank, each contact on one rank; all: of grains outside the group too. */
+  int list_contacts(bool all);
+
+private:
+  enum { TOTALS = 11 }; /* sxx syy szz sxy sxz syz, energy, contacts; energy_t, dissipated, sliding */
+  double totals[TOTALS] = {};
+  int rows_allocated = 0, columns;
+  PairCoulomb *coulomb = nullptr; /* friction(), while contacts are listed */
   void check_list(const PairNormal &p);
-  bool ahead(const double *l) const;
+  void refuse_stale(const PairNormal &p);
+  bool ahead(int i, int j, const double *l) const;
   bool counted_here(int i, int j, const double *l) const;
   void add(const PairNormal &p, int i, int j, int *count);
+  void add_normal(double *row, double E, double e, double d) const;
+  void add_friction(double *row, int i, int j, const double *l, double d, double reach) const;
 };
 
 } // namespace granhom

@@ -6,7 +6,8 @@
  * neighbour list that LAMMPS makes afterwards in the same step belong to them. */
 #include "engine/lammps/fix_relax.h"
 
-#include "engine/lammps/pair_normal.h"
+#include "engine/lammps/fix_history.h"
+#include "engine/lammps/pair_coulomb.h"
 
 #include "atom.h"
 #include "comm.h"
@@ -30,15 +31,16 @@
 using namespace LAMMPS_NS;
 using namespace FixConst;
 using granhom::FixRelax;
+using granhom::PairCoulomb;
 using granhom::PairNormal;
 
 enum { BOUND_EVERY = 32 }; /* steps between two bounds of the largest eigenvalue */
 
 FixRelax::FixRelax(LAMMPS *l, int narg, char **arg)
     : Fix(l, narg, arg), tolerance(1e-8), floor_force(0), max_steps(LONG_MAX), inner(false), driven(false),
-      cluster(false), active(true), forced(false), pair(nullptr), ended(RUNNING), fresh(true), residual(0),
-      mean_force(0), steps(0), rebuilds(0), builds_at_start(0), ended_at(-1), dt(0), vf(0), ff(0), vv(0),
-      vf_before(0), compare(false) {
+      cluster(false), active(true), forced(false), pair(nullptr), coulomb(nullptr), history(nullptr),
+      turns(false), ended(RUNNING), fresh(true), residual(0), mean_force(0), steps(0), rebuilds(0),
+      builds_at_start(0), ended_at(-1), dt(0), vf(0), ff(0), vv(0), vf_before(0), compare(false) {
   parse(narg, arg);
   time_integrate = 1;
   vector_flag = 1;
@@ -85,18 +87,32 @@ int FixRelax::setmask() {
 void FixRelax::init() {
   if (std::strncmp(update->integrate_style, "respa", 5) == 0)
     error->all(FLERR, std::string("Fix granhom/relax does not run with run_style respa"));
-  pair = dynamic_cast<PairNormal *>(force->pair_match("granhom/normal", 1));
-  if (!pair) error->all(FLERR, std::string("Fix granhom/relax requires pair style granhom/normal"));
+  pair = PairNormal::in_use(force);
+  if (!pair)
+    error->all(
+        FLERR,
+        std::string("Fix granhom/relax requires one of the pair styles granhom/normal and granhom/coulomb"));
+  coulomb = dynamic_cast<PairCoulomb *>(pair);
+  history = coulomb ? coulomb->history() : nullptr;
+  turns = coulomb && coulomb->turning();
+  if (history) history->turns_elsewhere(true);
   if (inner) check_inner();
 }
 
-/* The kernel knows the contact forces of one stiffness and nothing else. */
+/* The kernel knows the contact forces of one law and nothing else. */
 void FixRelax::check_inner() {
   double E;
+  gh_contact_law law;
   if (force->pair != pair || force->bond || force->kspace)
-    error->all(FLERR, std::string("Fix granhom/relax with inner yes: granhom/normal must be the only force"));
-  if (!pair->one_stiffness(&E))
-    error->all(FLERR, std::string("Fix granhom/relax with inner yes requires one stiffness for all types"));
+    error->all(FLERR, std::string("Fix granhom/relax with inner yes: ") + force->pair_style +
+                          " must be the only force");
+  if (coulomb ? !coulomb->one_law(&law) : !pair->one_stiffness(&E))
+    error->all(FLERR, std::string("Fix granhom/relax with inner yes requires one ") +
+                          (coulomb ? "law" : "stiffness") + " for all types");
+  if (coulomb && coulomb->each_step())
+    error->all(FLERR,
+               std::string("Fix granhom/relax with inner yes requires granhom/coulomb with increment manual: "
+                           "its steps are not time steps"));
   for (int k = 0; k < modify->nfix; k++)
     if ((modify->fmask[k] & POST_FORCE) && std::strcmp(modify->fix[k]->style, "enforce2d") != 0)
       error->all(FLERR, std::string("Fix granhom/relax with inner yes: fix ") + modify->fix[k]->id +
@@ -108,6 +124,7 @@ void FixRelax::check_inner() {
 void FixRelax::begin() {
   for (int i = 0; i < atom->nlocal; i++)
     if (atom->mask[i] & groupbit) std::fill(atom->v[i], atom->v[i] + 3, 0.0);
+  for (int i = 0; turns && i < atom->nlocal; i++) atom->omega[i][2] = 0;
   fresh = compare = false;
   steps = rebuilds = 0;
   residual = mean_force = damping = vf = ff = vv = vf_before = 0;
@@ -133,9 +150,9 @@ void FixRelax::setup(int) {
 
 /* ---- one step per time step ---- */
 
-/* Residual and mean normal contact force at the forces that LAMMPS has computed, and the sums over the free
- * grains from which step() gets the Rayleigh quotient: v.f, f.f, v.v. One reduction each for sums and
- * maximum. */
+/* Residual and mean normal contact force at the forces that LAMMPS has computed, and the sums over what is
+ * free from which step() gets the Rayleigh quotient: v.f, f.f, v.v, for rotations in the metric of the
+ * inertia r^2/2. One reduction each for sums and maximum. */
 void FixRelax::measure() {
   double mine[5] = {pair->force_sum, pair->contact_count, 0, 0, 0}, sum[5], largest = 0, most;
   for (int i = 0; i < atom->nlocal; i++) {
@@ -149,6 +166,13 @@ void FixRelax::measure() {
     }
     mine[3] += f2;
     largest = std::max(largest, f2);
+  }
+  for (int i = 0; turns && i < atom->nlocal; i++) {
+    const double rim = atom->torque[i][2] / atom->radius[i], speed = atom->omega[i][2] * atom->radius[i];
+    mine[2] += speed * rim;
+    mine[3] += 2 * rim * rim;
+    mine[4] += 0.5 * speed * speed;
+    largest = std::max(largest, rim * rim);
   }
   MPI_Allreduce(mine, sum, 5, MPI_DOUBLE, MPI_SUM, world);
   MPI_Allreduce(&largest, &most, 1, MPI_DOUBLE, MPI_MAX, world);
@@ -171,6 +195,33 @@ void FixRelax::end(state how) {
   if (how == UNJAMMED) residual = 0;
 }
 
+void FixRelax::add_block(int i, int j, const double *l, double d2) {
+  double s = pair->stiffness(atom->type[i], atom->type[j]) / d2;
+  const double b[6] = {s * l[0] * l[0], s * l[1] * l[1], s * l[2] * l[2],
+                       s * l[0] * l[1], s * l[0] * l[2], s * l[1] * l[2]};
+  for (int k = 0; k < 6; k++) {
+    block[6 * (std::size_t)i + k] += b[k];
+    if (force->newton_pair || j < atom->nlocal) block[6 * (std::size_t)j + k] += b[k];
+  }
+}
+
+/* Bounds of relax_friction.c; the slip is t.(u_i - u_j) + r_i theta_i + r_j theta_j. */
+void FixRelax::add_block_with_friction(int i, int j, const double *l, double d2) {
+  double along, across;
+  gh_relax_friction_bound(&coulomb->law(atom->type[i], atom->type[j]), &along, &across);
+  const double n[2] = {l[0] / std::sqrt(d2), l[1] / std::sqrt(d2)}, turn = turns ? std::sqrt(2.) : 0;
+  for (int side = 0; side < (j < atom->nlocal ? 2 : 1); side++) {
+    const double t[3] = {side ? n[1] : -n[1], side ? -n[0] : n[0], turn};
+    const double b[6] = {along * n[0] * n[0] + across * t[0] * t[0],
+                         along * n[1] * n[1] + across * t[1] * t[1],
+                         across * t[2] * t[2],
+                         along * n[0] * n[1] + across * t[0] * t[1],
+                         across * t[0] * t[2],
+                         across * t[1] * t[2]};
+    for (int k = 0; k < 6; k++) block[6 * (std::size_t)(side ? j : i) + k] += b[k];
+  }
+}
+
 /* The stiffness block of each grain from the contacts that it has or nearly has. */
 void FixRelax::add_blocks() {
   const NeighList *list = pair->list;
@@ -184,13 +235,8 @@ void FixRelax::add_blocks() {
       double l[3] = {xj[0] - xi[0], xj[1] - xi[1], xj[2] - xi[2]};
       double d2 = l[0] * l[0] + l[1] * l[1] + l[2] * l[2], reach = atom->radius[i] + atom->radius[j];
       if (d2 > 1.01 * reach * reach) continue;
-      double s = pair->stiffness(atom->type[i], atom->type[j]) / d2;
-      const double b[6] = {s * l[0] * l[0], s * l[1] * l[1], s * l[2] * l[2],
-                           s * l[0] * l[1], s * l[0] * l[2], s * l[1] * l[2]};
-      for (int k = 0; k < 6; k++) {
-        block[6 * (std::size_t)i + k] += b[k];
-        if (newton || j < nlocal) block[6 * (std::size_t)j + k] += b[k];
-      }
+      if (coulomb) add_block_with_friction(i, j, l, d2);
+      else add_block(i, j, l, d2);
     }
   }
   if (newton) comm->reverse_comm_fix(this);
@@ -210,15 +256,22 @@ void FixRelax::unpack_reverse_comm(int n, int *list, double *buf) {
  * is at most m + sqrt((d-1)/d) |K - m 1| with the mean m of its d eigenvalues (an equality for d = 2). */
 double FixRelax::time_step() {
   add_blocks();
-  const double d = domain->dimension;
+  const int unknowns = coulomb ? 3 : domain->dimension;
+  const double d = unknowns;
   double mine[2] = {0, 0}, all[2];
   for (int i = 0; i < atom->nlocal; i++) {
     const double *k = &block[6 * (std::size_t)i];
     double m = (k[0] + k[1] + k[2]) / d, dev = 2 * (k[3] * k[3] + k[4] * k[4] + k[5] * k[5]);
-    for (int c = 0; c < domain->dimension; c++) dev += (k[c] - m) * (k[c] - m);
+    for (int c = 0; c < unknowns; c++) dev += (k[c] - m) * (k[c] - m);
     mine[0] = std::max(mine[0], m + std::sqrt((d - 1) / d * dev));
   }
-  for (int i = 1; i <= atom->ntypes; i++) mine[1] = std::max(mine[1], pair->stiffness(i, i));
+  for (int i = 1; i <= atom->ntypes; i++) {
+    mine[1] = std::max(mine[1], pair->stiffness(i, i));
+    if (!coulomb) continue;
+    double along, across;
+    gh_relax_friction_bound(&coulomb->law(i, i), &along, &across);
+    mine[1] = std::max(mine[1], 4 * std::max(along, (turns ? 3 : 1) * across));
+  }
   MPI_Allreduce(mine, all, 2, MPI_DOUBLE, MPI_MAX, world);
   return gh_relax_time_step(std::max(2 * all[0], all[1]));
 }
@@ -235,8 +288,19 @@ void FixRelax::step() {
       atom->x[i][k] += dt * atom->v[i][k];
     }
   }
+  if (turns) turn(a, b);
   vf_before = a * vf + b * ff;
   compare = true;
+}
+
+/* Grains outside the group rotate too (Remark 7.3). */
+void FixRelax::turn(double a, double b) {
+  for (int i = 0; i < atom->nlocal; i++) {
+    const double r = atom->radius[i];
+    double &w = atom->omega[i][2];
+    w = a * w + b * atom->torque[i][2] / (0.5 * r * r);
+    history->set_turn(i, history->theta_now(i) + dt * w);
+  }
 }
 
 /* ---- many steps inside one time step ---- */
@@ -270,10 +334,14 @@ static int owner(const Atom *atom, const std::vector<int> &order, int j) {
 }
 
 /* Adds the pair to the kernel's list: lower id first, ghosts as their owner and a sum of lattice vectors.
- * With newton off a pair with a ghost is listed from both sides; a grain's own images exert no net force. */
+ * With newton off a pair with a ghost is listed from both sides. A grain's own images exert no net force;
+ * with friction they exert a moment, and the one of the two sides that the keys name stands for both. */
 void FixRelax::add_pair(int i, int j) {
-  int o = owner(atom, order, j);
-  if (o == i || (j >= atom->nlocal && !force->newton_pair && rank[i] > rank[o])) return;
+  int o = owner(atom, order, j), k[2] = {0, 0};
+  if (history) history->image(i, j, k);
+  if (o == i ? !history || k[1] < 0 || (k[1] == 0 && k[0] < 0)
+             : j >= atom->nlocal && !force->newton_pair && rank[i] > rank[o])
+    return;
   const double *xi = atom->x[i], *xj = atom->x[j], *xo = atom->x[o];
   double reach = atom->radius[i] + atom->radius[j], far = reach + neighbor->skin;
   double lx = xj[0] - xi[0], ly = xj[1] - xi[1];
@@ -281,23 +349,90 @@ void FixRelax::add_pair(int i, int j) {
   double ky = domain->yperiodic ? std::round((xj[1] - xo[1]) / domain->yprd) : 0;
   double kx = domain->xperiodic ? std::round((xj[0] - xo[0] - ky * domain->xy) / domain->xprd) : 0;
   gh_pair p = {rank[i], rank[o], {kx * domain->xprd + ky * domain->xy, ky * domain->yprd}, reach};
-  if (p.i > p.j) p = {p.j, p.i, {-p.shift[0], -p.shift[1]}, reach};
-  pairs.push_back(p);
+  const bool swap = p.i > p.j;
+  if (swap) p = {p.j, p.i, {-p.shift[0], -p.shift[1]}, reach};
+  if (!history) {
+    pairs.push_back(p);
+    return;
+  }
+  gh_pair_memory m = {};
+  history->branch_n(i, j, k, m.ln);
+  for (double &component : m.ln) component = swap ? -component : component;
+  const int record = history->find(i, atom->tag[j], k);
+  if (record >= 0) {
+    const FixHistory::Partner &at_n = history->record(record);
+    m.gamma = at_n.gamma;
+    m.gamma_pl = at_n.gamma_pl;
+    m.alpha = at_n.alpha;
+  }
+  candidates.push_back({p, m});
+}
+
+static bool in_order(const gh_pair &a, const gh_pair &b) {
+  if (a.i != b.i) return a.i < b.i;
+  if (a.j != b.j) return a.j < b.j;
+  if (a.shift[1] != b.shift[1]) return a.shift[1] < b.shift[1];
+  return a.shift[0] < b.shift[0];
 }
 
 void FixRelax::find_pairs() {
   const NeighList *list = pair->list;
   pairs.clear();
+  candidates.clear();
   for (int ii = 0; ii < list->inum; ii++) {
     int i = list->ilist[ii];
     for (int jj = 0; jj < list->numneigh[i]; jj++) add_pair(i, list->firstneigh[i][jj] & NEIGHMASK);
   }
-  std::sort(pairs.begin(), pairs.end(), [](const gh_pair &a, const gh_pair &b) {
-    if (a.i != b.i) return a.i < b.i;
-    if (a.j != b.j) return a.j < b.j;
-    if (a.shift[1] != b.shift[1]) return a.shift[1] < b.shift[1];
-    return a.shift[0] < b.shift[0];
-  });
+  std::sort(pairs.begin(), pairs.end(), in_order);
+  if (history) split_candidates();
+}
+
+/* With friction a pair is sorted with its memory; the kernel wants two lists. */
+void FixRelax::split_candidates() {
+  std::sort(candidates.begin(), candidates.end(),
+            [](const Candidate &a, const Candidate &b) { return in_order(a.pair, b.pair); });
+  pairs.resize(candidates.size());
+  memory.resize(candidates.size());
+  for (std::size_t c = 0; c < candidates.size(); c++) {
+    pairs[c] = candidates[c].pair;
+    memory[c] = candidates[c].memory;
+  }
+}
+
+gh_relax_end FixRelax::kernel(gh_relax_state *s) {
+  work.resize(gh_relax_work(s->n, s->npairs));
+  s->work = work.data();
+  pair->one_stiffness(&s->stiffness);
+  return gh_relax_run(s, tolerance, floor_force, max_steps - steps, &residual, &mean_force, &steps);
+}
+
+gh_relax_end FixRelax::kernel_with_friction(gh_relax_state *state) {
+  const std::size_t n = state->n;
+  gh_contact_law law;
+  coulomb->one_law(&law);
+  for (auto *a : {&R, &T, &Tn, &W, &M}) a->resize(n);
+  for (std::size_t r = 0; r < n; r++) {
+    const int i = order[r];
+    R[r] = atom->radius[i];
+    T[r] = history->theta_now(i);
+    Tn[r] = history->theta_converged(i);
+    W[r] = atom->omega[i][2];
+  }
+  work.resize(gh_relax_friction_work(state->n, state->npairs));
+  gh_relax_friction s = {};
+  s.grains = *state;
+  s.grains.work = work.data();
+  s.law = &law;
+  s.radius = R.data(), s.memory = memory.data(), s.theta_n = Tn.data();
+  s.theta = T.data(), s.w = W.data(), s.m = M.data();
+  const gh_relax_end how =
+      gh_relax_friction_run(&s, tolerance, floor_force, max_steps - steps, &residual, &mean_force, &steps);
+  state->damping = s.grains.damping;
+  for (std::size_t r = 0; turns && r < n; r++) {
+    history->set_turn(order[r], T[r]);
+    atom->omega[order[r]][2] = W[r];
+  }
+  return how;
 }
 
 /* Steps on LAMMPS's neighbour list until the end of the relaxation or of the list. */
@@ -306,7 +441,6 @@ void FixRelax::run_kernel() {
   sort_ids();
   find_pairs();
   for (auto *a : {&X, &V, &F, &X0}) a->resize(2 * n);
-  work.resize(gh_relax_work((int)n, (int)pairs.size()));
   for (std::size_t r = 0; r < n; r++)
     for (std::size_t k = 0; k < 2; k++) {
       X[2 * r + k] = atom->x[order[r]][k];
@@ -318,13 +452,11 @@ void FixRelax::run_kernel() {
   s.held = held.data();
   s.npairs = (int)pairs.size();
   s.pairs = pairs.data();
-  pair->one_stiffness(&s.stiffness);
-  s.x = X.data(), s.v = V.data(), s.f = F.data(), s.x0 = X0.data(), s.work = work.data();
+  s.x = X.data(), s.v = V.data(), s.f = F.data(), s.x0 = X0.data();
   s.slack = neighbor->skin / 2;
   s.started = steps > 0;
   s.damping = damping;
-  gh_relax_end how =
-      gh_relax_run(&s, tolerance, floor_force, max_steps - steps, &residual, &mean_force, &steps);
+  const gh_relax_end how = coulomb ? kernel_with_friction(&s) : kernel(&s);
   damping = s.damping;
   for (std::size_t r = 0; r < n; r++) {
     if (held[r]) continue;
@@ -398,9 +530,10 @@ double FixRelax::compute_vector(int n) {
 }
 
 double FixRelax::memory_usage() {
-  std::size_t doubles =
-      block.capacity() + X.capacity() + V.capacity() + F.capacity() + X0.capacity() + work.capacity();
+  std::size_t doubles = 0;
+  for (const auto *a : {&block, &X, &V, &F, &X0, &work, &R, &T, &Tn, &W, &M}) doubles += a->capacity();
   return (double)(doubles * sizeof(double) + pairs.capacity() * sizeof(gh_pair) +
+                  memory.capacity() * sizeof(gh_pair_memory) + candidates.capacity() * sizeof(Candidate) +
                   (order.capacity() + rank.capacity()) * sizeof(int) + held.capacity());
 }
 

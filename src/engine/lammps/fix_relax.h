@@ -4,7 +4,7 @@
 #define GRANHOM_LAMMPS_FIX_RELAX_H
 
 #include "engine/lammps/c_mpi.h"
-#include "engine/relax.h"
+#include "engine/relax_friction.h"
 
 #include "fix.h"
 
@@ -12,6 +12,8 @@
 
 namespace granhom {
 
+class FixHistory;
+class PairCoulomb;
 class PairNormal;
 
 class FixRelax : public LAMMPS_NS::Fix {
@@ -53,6 +55,9 @@ private:
   bool inner;                           /* steps are made inside one time step, by the kernel */
   bool driven, cluster, active, forced; /* forced: the run was ended through LAMMPS's timer */
   PairNormal *pair;
+  PairCoulomb *coulomb; /* the same with friction; null without */
+  FixHistory *history;  /* null without friction */
+  bool turns;           /* grains rotate */
 
   state ended;
   bool fresh;     /* the next step begins a new relaxation */
@@ -64,13 +69,22 @@ private:
   /* one step per time step: last sums over the grains, see measure() */
   double dt, vf, ff, vv, vf_before;
   bool compare;
-  std::vector<double> block; /* 6 per atom: xx yy zz xy xz yz of a grain's own stiffness */
+  std::vector<double> block; /* 6 per atom: xx yy zz xy xz yz of a grain's own stiffness; with friction the
+                                third coordinate is r theta/sqrt(2) */
+
+  struct Candidate {
+    gh_pair pair;
+    gh_pair_memory memory;
+  };
+  std::vector<Candidate> candidates;
 
   /* inner steps: the grains in the order of their ids */
   std::vector<int> order, rank;
   std::vector<unsigned char> held;
   std::vector<gh_pair> pairs;
   std::vector<double> X, V, F, X0, work;
+  std::vector<gh_pair_memory> memory;
+  std::vector<double> R, T, Tn, W, M; /* radii, rotations now and at n, their velocities, moments */
 
   void begin();
   void parse(int narg, char **arg);
@@ -79,10 +93,16 @@ private:
   void judge();
   void add_blocks();
   double time_step();
+  void add_block(int i, int j, const double *l, double d2);
+  void add_block_with_friction(int i, int j, const double *l, double d2);
   void step();
+  void turn(double a, double b);
   void sort_ids();
   void find_pairs();
   void add_pair(int i, int j);
+  void split_candidates();
+  gh_relax_end kernel(gh_relax_state *s);
+  gh_relax_end kernel_with_friction(gh_relax_state *s);
   void run_kernel();
   void surround();
   void stop_run();

@@ -8,6 +8,7 @@
 #include "engine/lammps/c_mpi.h"
 #include "engine/lammps/guard.h"
 
+#include "engine/lammps/fix_history.h"
 #include "engine/lammps/fix_relax.h"
 #include "engine/lammps/styles.h"
 
@@ -29,6 +30,7 @@
 #include <new>
 #include <string>
 
+using granhom::FixHistory;
 using LAMMPS_NS::LAMMPS;
 
 namespace {
@@ -157,8 +159,10 @@ static gh_status check_instance(gh_context *ctx, void *lmp) {
     return gh_fail(ctx, GH_ENGINE, "LAMMPS %d is too old: granhom needs %d (29 Sep 2021) or later", version,
                    OLDEST_VERSION);
   if (!lammps_has_style(lmp, "pair", "granhom/normal"))
-    return gh_fail(ctx, GH_ENGINE,
-                   "LAMMPS does not see the styles of this program: it must be linked with -rdynamic");
+    return gh_fail(
+        ctx, GH_ENGINE,
+        "LAMMPS does not see granhom's styles: liblammps.so comes before granhom in the search order "
+        "of symbols. Link -lgranhom before -llammps; with libgranhom.a, link with -rdynamic");
   return GH_OK;
 }
 
@@ -257,15 +261,24 @@ gh_status gh_lmp_fix_vector(gh_context *ctx, void *lmp, const char *id, int comp
 
 /* ---- driving a fix granhom/relax ---- */
 
-/* Calls call(fix) for the fix of that id and style. */
-template <typename Call> static gh_status with_fix(gh_context *ctx, void *lmp, const char *id, Call call) {
+/* Calls call(fix) for the fix of that id and class. */
+template <typename Style, typename Call>
+static gh_status with_style(gh_context *ctx, void *lmp, const char *id, const char *name, Call call) {
   return guarded(ctx, id, [&] {
     auto *modify = static_cast<LAMMPS *>(lmp)->modify;
     int index = modify->find_fix(id);
-    auto *fix = index < 0 ? nullptr : dynamic_cast<granhom::FixRelax *>(modify->fix[index]);
-    if (!fix) return gh_fail(ctx, GH_ENGINE, "LAMMPS has no fix %s of style granhom/relax", id);
+    auto *fix = index < 0 ? nullptr : dynamic_cast<Style *>(modify->fix[index]);
+    if (!fix) return gh_fail(ctx, GH_ENGINE, "LAMMPS has no fix %s of style %s", id, name);
     return call(fix);
   });
+}
+
+template <typename Call> static gh_status with_fix(gh_context *ctx, void *lmp, const char *id, Call call) {
+  return with_style<granhom::FixRelax>(ctx, lmp, id, "granhom/relax", call);
+}
+
+template <typename Call> static gh_status with_history(gh_context *ctx, void *lmp, Call call) {
+  return with_style<FixHistory>(ctx, lmp, FixHistory::ID, "granhom/history", call);
 }
 
 gh_status gh_lmp_drive(gh_context *ctx, void *lmp, const char *id, bool periodic, int *group_bit) {
@@ -305,6 +318,28 @@ gh_status gh_lmp_relax(gh_context *ctx, void *lmp, const char *id, double tolera
 gh_status gh_lmp_builds(gh_context *ctx, void *lmp, const char *id, long *builds) {
   return with_fix(ctx, lmp, id, [&](granhom::FixRelax *fix) {
     *builds = fix->builds();
+    return GH_OK;
+  });
+}
+
+gh_status gh_lmp_history(gh_context *ctx, void *lmp, const double H[4], const double *x,
+                         const double *theta_n, const gh_slip *slips, int nslips) {
+  return with_history(ctx, lmp, [&](FixHistory *fix) {
+    fix->set_converged(H, x, theta_n, slips, nslips);
+    return GH_OK;
+  });
+}
+
+gh_status gh_lmp_set_rotations(gh_context *ctx, void *lmp, const double *theta) {
+  return with_history(ctx, lmp, [&](FixHistory *fix) {
+    fix->set_rotations(theta);
+    return GH_OK;
+  });
+}
+
+gh_status gh_lmp_get_rotations(gh_context *ctx, void *lmp, double *theta) {
+  return with_history(ctx, lmp, [&](FixHistory *fix) {
+    fix->get_rotations(theta);
     return GH_OK;
   });
 }

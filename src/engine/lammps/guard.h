@@ -8,6 +8,7 @@
 #define GRANHOM_LAMMPS_GUARD_H
 
 #include "granhom/base.h"
+#include "granhom/contact.h"
 
 #ifdef __cplusplus
 extern "C" {
@@ -16,9 +17,9 @@ extern "C" {
 /* A silent instance on this process alone (MPI_COMM_SELF; MPI is initialised if nobody did), with granhom's
  * styles. GH_ENGINE: version below 29 Sep 2021, or the executable's symbols are not visible. */
 gh_status gh_lmp_open(gh_context *ctx, void **lmp);
-/* Closes; takes NULL. Errors of LAMMPS are dropped. */
 /* Of an open instance, as a date: 20210929. */
 int gh_lmp_version(gh_context *ctx, void *lmp);
+/* Closes; takes NULL. Errors of LAMMPS are dropped. */
 void gh_lmp_close(void **lmp);
 /* One input command. */
 gh_status gh_lmp_command(gh_context *ctx, void *lmp, const char *format, ...) GH_PRINTF(3, 4);
@@ -49,6 +50,15 @@ gh_status gh_lmp_rebuild(gh_context *ctx, void *lmp, const char *id);
 /* Relaxes: runs until the residual, the steps or all contacts are gone. Results: gh_lmp_fix_vector. */
 gh_status gh_lmp_relax(gh_context *ctx, void *lmp, const char *id, double tolerance, double floor,
                        long max_steps);
+/* ---- driving pair style granhom/coulomb, from the first run on; arrays by id - 1 ---- */
+
+/* State n: lattice H (columns), unwrapped positions (n x 2), rotations, and the history of the contacts with
+ * images between those positions. */
+gh_status gh_lmp_history(gh_context *ctx, void *lmp, const double H[4], const double *x,
+                         const double *theta_n, const gh_slip *slips, int nslips);
+gh_status gh_lmp_set_rotations(gh_context *ctx, void *lmp, const double *theta);
+gh_status gh_lmp_get_rotations(gh_context *ctx, void *lmp, double *theta);
+
 /* Number of neighbour lists made so far. */
 gh_status gh_lmp_builds(gh_context *ctx, void *lmp, const char *id, long *builds);
 

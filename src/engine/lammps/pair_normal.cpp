@@ -5,6 +5,7 @@
 #include "engine/lammps/pair_normal.h"
 
 #include "contact/normal.h"
+#include "engine/lammps/fix_history.h"
 
 #include "atom.h"
 #include "comm.h"
@@ -12,6 +13,7 @@
 #include "error.h"
 #include "force.h"
 #include "memory.h"
+#include "modify.h"
 #include "neigh_list.h"
 #include "neighbor.h"
 
@@ -74,13 +76,37 @@ void PairNormal::coeff(int narg, char **arg) {
   if (!count) error->all(FLERR, std::string("Incorrect args for pair coefficients"));
 }
 
+PairNormal *PairNormal::in_use(const Force *force) {
+  auto *f = const_cast<Force *>(force);
+  Pair *normal = f->pair_match("granhom/normal", 1), *coulomb = f->pair_match("granhom/coulomb", 1);
+  if (normal && coulomb) return nullptr;
+  return dynamic_cast<PairNormal *>(normal ? normal : coulomb);
+}
+
 void PairNormal::init_style() {
   if (!atom->radius_flag) error->all(FLERR, std::string("Pair granhom/normal requires atom style sphere"));
+  refuse_history();
+  find_largest();
+  neighbor->request(this, instance_me);
+}
+
+/* LAMMPS would drop what a restart file says of friction with a warning. A fix of that name takes it up, if
+ * there is any. */
+void PairNormal::refuse_history() {
+  if (!modify->nfix_restart_global || modify->find_fix(FixHistory::ID) >= 0) return;
+  Fix *probe = modify->add_fix(std::string(FixHistory::ID) + " all granhom/history");
+  const bool there = probe->restart_reset;
+  modify->delete_fix(FixHistory::ID);
+  if (there)
+    error->all(FLERR, std::string("The restart file holds the history of pair granhom/coulomb, which pair "
+                                  "granhom/normal would drop"));
+}
+
+void PairNormal::find_largest() {
   int n = atom->ntypes + 1;
   std::vector<double> mine(n, 0.0);
   for (int i = 0; i < atom->nlocal; i++) mine[atom->type[i]] = std::max(mine[atom->type[i]], atom->radius[i]);
   MPI_Allreduce(mine.data(), largest, n, MPI_DOUBLE, MPI_MAX, world);
-  neighbor->request(this, instance_me);
 }
 
 double PairNormal::init_one(int i, int j) {
@@ -106,7 +132,7 @@ void PairNormal::note_build() {
   builds++;
   const double *x = atom->nlocal ? atom->x[0] : nullptr;
   build_x.assign(x, x + 3 * (std::size_t)atom->nlocal);
-  build_id.assign(atom->tag, atom->tag + atom->nlocal);
+  build_id.assign(atom->tag, atom->tag + atom->nlocal + atom->nghost);
   cell_now(build_cell);
 }
 

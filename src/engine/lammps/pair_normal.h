@@ -1,10 +1,11 @@
-/* LAMMPS pair style granhom/normal: one-sided harmonic normal contact of spheres and disks.
- * SPDX-License-Identifier: GPL-2.0-or-later */
+/* LAMMPS pair style granhom/normal: one-sided harmonic normal contact of spheres and disks; the base of
+ * granhom/coulomb. SPDX-License-Identifier: GPL-2.0-or-later */
 #ifndef GRANHOM_LAMMPS_PAIR_NORMAL_H
 #define GRANHOM_LAMMPS_PAIR_NORMAL_H
 
 #include "engine/lammps/c_mpi.h"
 
+#include "force.h"
 #include "pair.h"
 
 #include <vector>
@@ -28,6 +29,8 @@ public:
   void write_data_all(FILE *fp) override;
   double memory_usage() override;
 
+  /* The pair style of this simulation, normal or coulomb; null: another one, or both in a hybrid. */
+  static PairNormal *in_use(const LAMMPS_NS::Force *force);
   double stiffness(int itype, int jtype) const { return E[itype][jtype]; }
   /* True when all pairs of types have the stiffness that is written to *value. */
   bool one_stiffness(double *value) const;
@@ -41,15 +44,19 @@ public:
   /* State when the neighbour list was made, for those who must know whether it still holds. */
   long builds = 0;                         /* lists made so far */
   std::vector<double> build_x;             /* 3 per owned atom */
-  std::vector<LAMMPS_NS::tagint> build_id; /* per owned atom */
+  std::vector<LAMMPS_NS::tagint> build_id; /* per atom, ghosts too */
   double build_cell[6] = {};               /* xprd yprd zprd xy xz yz */
   void cell_now(double cell[6]) const;
 
-private:
-  double **E = nullptr;      /* stiffness of the pairs of types */
-  double *largest = nullptr; /* largest radius of each type */
+protected:
+  double **E = nullptr; /* stiffness of the pairs of types */
   void allocate();
   void note_build();
+  void find_largest();
+  void refuse_history();
+
+private:
+  double *largest = nullptr; /* largest radius of each type */
 };
 
 } // namespace granhom

@@ -4,8 +4,11 @@
  * Built against the headers of the very LAMMPS that loads it: docs/lammps/README.md. */
 #if __has_include(<lammpsplugin.h>)
 #include "engine/lammps/compute_contact.h"
+#include "engine/lammps/compute_stress.h"
+#include "engine/lammps/compute_tangent.h"
+#include "engine/lammps/fix_history.h"
 #include "engine/lammps/fix_relax.h"
-#include "engine/lammps/pair_normal.h"
+#include "engine/lammps/pair_coulomb.h"
 
 #include "lammps.h"
 #include "version.h"
@@ -14,42 +17,45 @@
 
 using LAMMPS_NS::LAMMPS;
 
-static void *make_pair(void *lmp) {
-  return static_cast<LAMMPS_NS::Pair *>(new granhom::PairNormal(static_cast<LAMMPS *>(lmp)));
+/* The void pointer is to the base class. */
+template <typename Style> static void *pair(void *lmp) {
+  return static_cast<LAMMPS_NS::Pair *>(new Style(static_cast<LAMMPS *>(lmp)));
 }
 
-static void *make_fix(void *lmp, int narg, char **arg) {
-  return static_cast<LAMMPS_NS::Fix *>(new granhom::FixRelax(static_cast<LAMMPS *>(lmp), narg, arg));
-}
-
-static void *make_compute(void *lmp, int narg, char **arg) {
-  return static_cast<LAMMPS_NS::Compute *>(
-      new granhom::ComputeContact(static_cast<LAMMPS *>(lmp), narg, arg));
+template <typename Base, typename Style> static void *other(void *lmp, int narg, char **arg) {
+  return static_cast<Base *>(new Style(static_cast<LAMMPS *>(lmp), narg, arg));
 }
 
 extern "C" void lammpsplugin_init(void *lmp, void *handle, void *registrar) {
+  using LAMMPS_NS::Compute;
+  using LAMMPS_NS::Fix;
+  using namespace granhom;
   auto registers = reinterpret_cast<lammpsplugin_regfunc>(registrar);
   lammpsplugin_t plugin = {};
   plugin.version = LAMMPS_VERSION;
   plugin.author = "granhom";
   plugin.handle = handle;
 
-  plugin.style = "pair";
-  plugin.name = "granhom/normal";
-  plugin.info = "one-sided harmonic normal contact";
-  plugin.creator.v1 = make_pair;
-  registers(&plugin, lmp);
-
-  plugin.style = "fix";
-  plugin.name = "granhom/relax";
-  plugin.info = "dynamic relaxation to a residual";
-  plugin.creator.v2 = make_fix;
-  registers(&plugin, lmp);
-
-  plugin.style = "compute";
-  plugin.name = "granhom/contact/local";
-  plugin.info = "list of contacts";
-  plugin.creator.v2 = make_compute;
-  registers(&plugin, lmp);
+  auto add_pair = [&](const char *name, const char *info, lammpsplugin_factory1 *make) {
+    plugin.style = "pair";
+    plugin.name = name;
+    plugin.info = info;
+    plugin.creator.v1 = make;
+    registers(&plugin, lmp);
+  };
+  auto add_other = [&](const char *kind, const char *name, const char *info, lammpsplugin_factory2 *make) {
+    plugin.style = kind;
+    plugin.name = name;
+    plugin.info = info;
+    plugin.creator.v2 = make;
+    registers(&plugin, lmp);
+  };
+  add_pair("granhom/normal", "one-sided harmonic normal contact", pair<PairNormal>);
+  add_pair("granhom/coulomb", "normal contact and Coulomb friction", pair<PairCoulomb>);
+  add_other("fix", "granhom/relax", "dynamic relaxation to a residual", other<Fix, FixRelax>);
+  add_other("fix", "granhom/history", "history of granhom/coulomb", other<Fix, FixHistory>);
+  add_other("compute", "granhom/contact/local", "list of contacts", other<Compute, ComputeContact>);
+  add_other("compute", "granhom/stress", "homogenised stress", other<Compute, ComputeStress>);
+  add_other("compute", "granhom/tangent", "homogenised tangent", other<Compute, ComputeTangent>);
 }
 #endif

@@ -2,23 +2,38 @@
 #include "engine/lammps/styles.h"
 
 #include "engine/lammps/compute_contact.h"
+#include "engine/lammps/compute_stress.h"
+#include "engine/lammps/compute_tangent.h"
+#include "engine/lammps/fix_history.h"
 #include "engine/lammps/fix_relax.h"
-#include "engine/lammps/pair_normal.h"
+#include "engine/lammps/pair_coulomb.h"
 
 #include "force.h"
 #include "modify.h"
 
 using LAMMPS_NS::LAMMPS;
 
+template <typename Style> static LAMMPS_NS::Pair *pair(LAMMPS *lmp) {
+  return new Style(lmp);
+}
+
+template <typename Style> static LAMMPS_NS::Fix *fix(LAMMPS *lmp, int narg, char **arg) {
+  return new Style(lmp, narg, arg);
+}
+
+template <typename Style> static LAMMPS_NS::Compute *compute(LAMMPS *lmp, int narg, char **arg) {
+  return new Style(lmp, narg, arg);
+}
+
 void granhom::register_styles(LAMMPS *lmp) {
-  (*lmp->force->pair_map)["granhom/normal"] = [](LAMMPS *l) -> LAMMPS_NS::Pair * {
-    return new PairNormal(l);
-  };
-  (*lmp->modify->fix_map)["granhom/relax"] = [](LAMMPS *l, int narg, char **arg) -> LAMMPS_NS::Fix * {
-    return new FixRelax(l, narg, arg);
-  };
-  (*lmp->modify->compute_map)["granhom/contact/local"] = [](LAMMPS *l, int narg,
-                                                            char **arg) -> LAMMPS_NS::Compute * {
-    return new ComputeContact(l, narg, arg);
-  };
+  auto &pairs = *lmp->force->pair_map;
+  auto &fixes = *lmp->modify->fix_map;
+  auto &computes = *lmp->modify->compute_map;
+  pairs["granhom/normal"] = pair<PairNormal>;
+  pairs["granhom/coulomb"] = pair<PairCoulomb>;
+  fixes["granhom/relax"] = fix<FixRelax>;
+  fixes["granhom/history"] = fix<FixHistory>;
+  computes["granhom/contact/local"] = compute<ComputeContact>;
+  computes["granhom/stress"] = compute<ComputeStress>;
+  computes["granhom/tangent"] = compute<ComputeTangent>;
 }

@@ -8,7 +8,7 @@
 
 namespace granhom {
 
-/* Puts granhom/normal, granhom/relax and granhom/contact/local into the style tables of an instance. */
+/* Puts all styles of granhom into the style tables of an instance. */
 void register_styles(LAMMPS_NS::LAMMPS *lmp);
 
 } // namespace granhom

@@ -1,0 +1,234 @@
+/* granhom crosscheck: one packing and path through several programs. SPDX-License-Identifier:
+ * GPL-2.0-or-later */
+#include "cli.h"
+#include "contact_options.h"
+#include "crosscheck.h"
+
+#include <getopt.h>
+#include <signal.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const char help[] =
+    "usage: granhom crosscheck PACKING --path PATH.csv [options] -o DIR\n"
+    "\n"
+    "Takes one packing (a LAMMPS data file, atom_style sphere) in its periodic cell along a path of\n"
+    "deformation gradients with several programs, and compares their stresses:\n"
+    "  lammps     granhom on LAMMPS\n"
+    "  native     granhom's own engine\n"
+    "  gran       LAMMPS's pair style gran/hooke/history\n"
+    "  liggghts   LIGGGHTS, gran model hooke/stiffness tangential history, when it is installed; no shear\n"
+    "The last two integrate the slip of a contact over the time steps of a damped motion; granhom takes it\n"
+    "from one converged state to the next. --refine shows how the difference shrinks with the increments.\n"
+    "\n"
+    "  --path FILE            CSV with the columns F11 F12 F21 F22 (and step), a row per increment; - is\n"
+    "                         standard input\n"
+    "  -o, --output DIR       folder of the results: crosscheck.csv, crosscheck.png (needs gnuplot), and\n"
+    "                         refine.csv with --refine\n" CONTACT_HELP
+    "                         (hardening must be 0: the other programs have none)\n"
+    "  --engines LIST         of the words above, with commas; all others are compared with the first\n"
+    "                         (default lammps,native,gran,liggghts)\n"
+    "  --tolerance T          largest force on a grain over the mean contact force (default 1e-8)\n"
+    "  --max-steps N          relaxation steps after which an increment has failed (default 400000)\n"
+    "  --increment-steps N    time steps over which gran and liggghts spread an increment (default 50)\n"
+    "  --refine K             also with each increment cut into 2, 4, ... 2^(K-1) parts; 1 to 8 (default 1)\n"
+    "  --liggghts PROGRAM     LIGGGHTS's program (default liggghts)\n"
+    "  --time-limit S         seconds after which gran and liggghts are stopped, on each path (default 600)\n"
+    "\n"
+    "Exit status: 0 done, also when LIGGGHTS is missing or cannot do the path (the table says so); 1 a "
+    "program\n"
+    "failed or was stopped (what there is is written), 2 wrong input.\n";
+
+/* ---- options ---- */
+
+static int positive(const char *option, const char *text, double *value) {
+  if (gh_parse_number(text, value) && *value > 0) return 0;
+  return cli_usage(&cli_crosscheck, "%s must be a positive number, not \"%s\"", option, text);
+}
+
+static int integer(const char *option, const char *text, long most, long *value) {
+  if (gh_parse_integer(text, 1, most, value)) return 0;
+  return cli_usage(&cli_crosscheck, "%s must be an integer from 1 to %ld, not \"%s\"", option, most, text);
+}
+
+static int find_engine(const char *text, size_t length) {
+  for (int k = 0; k < CROSS_ENGINES; k++)
+    if (strlen(cross_engines[k].word) == length && strncmp(cross_engines[k].word, text, length) == 0)
+      return k;
+  return -1;
+}
+
+static int parse_engines(const char *text, cross_job *j) {
+  j->engines = 0;
+  for (const char *at = text;; at++) {
+    size_t length = strcspn(at, ",");
+    int k = find_engine(at, length);
+    if (k < 0)
+      return cli_usage(&cli_crosscheck, "--engines are lammps, native, gran and liggghts, not \"%.*s\"",
+                       (int)length, at);
+    for (int e = 0; e < j->engines; e++)
+      if (j->engine[e] == k)
+        return cli_usage(&cli_crosscheck, "--engines names %s twice", cross_engines[k].word);
+    j->engine[j->engines++] = k;
+    at += length;
+    if (!*at) break;
+  }
+  if (j->engines > 1) return 0;
+  return cli_usage(&cli_crosscheck, "--engines must name two or more: there is nothing to compare");
+}
+
+static int parse_option(int c, contact_options *contact, cross_job *j) {
+  long value = 1;
+  int status = contact_option(&cli_crosscheck, c, optarg, contact);
+  if (status >= 0) return status;
+  switch (c) {
+  case 'p':
+    j->path_file = optarg;
+    return 0;
+  case 'o':
+    j->folder = optarg;
+    return 0;
+  case 'l':
+    j->liggghts = optarg;
+    return 0;
+  case 'e':
+    return parse_engines(optarg, j);
+  case 'T':
+    return positive("--tolerance", optarg, &j->rve.tolerance);
+  case 't':
+    return positive("--time-limit", optarg, &j->seconds);
+  case 'n':
+    return integer("--max-steps", optarg, 1000000000, &j->rve.max_steps);
+  case 'i':
+    status = integer("--increment-steps", optarg, 1000000, &value);
+    j->steps_per_row = (int)value;
+    return status;
+  case 'r':
+    status = integer("--refine", optarg, CROSS_MOST_LEVELS, &value);
+    j->levels = (int)value;
+    return status;
+  default: /* b */
+    if (strcmp(optarg, "periodic") == 0) return 0;
+    return cli_usage(&cli_crosscheck,
+                     "the other programs relax all grains of a periodic cell: --boundary "
+                     "can only be periodic, not \"%s\"",
+                     optarg);
+  }
+}
+
+static int parse(int argc, char **argv, cross_job *j) {
+  static const struct option options[] = {{"path", 1, 0, 'p'},
+                                          {"output", 1, 0, 'o'},
+                                          {"boundary", 1, 0, 'b'},
+                                          {"engines", 1, 0, 'e'},
+                                          {"tolerance", 1, 0, 'T'},
+                                          {"max-steps", 1, 0, 'n'},
+                                          {"increment-steps", 1, 0, 'i'},
+                                          {"refine", 1, 0, 'r'},
+                                          {"liggghts", 1, 0, 'l'},
+                                          {"time-limit", 1, 0, 't'},
+                                          CONTACT_OPTIONS,
+                                          {0, 0, 0, 0}};
+  contact_options contact = {0};
+  opterr = 0;
+  optind = 1;
+  for (int c; (c = getopt_long(argc, argv, ":o:", options, NULL)) != -1;) {
+    if (c == '?') return cli_usage(&cli_crosscheck, "unknown option %s", argv[optind - 1]);
+    if (c == ':') return cli_usage(&cli_crosscheck, "%s needs a value", argv[optind - 1]);
+    int status = parse_option(c, &contact, j);
+    if (status) return status;
+  }
+  if (optind == argc) return cli_usage(&cli_crosscheck, "which packing?");
+  j->packing_file = argv[optind++];
+  if (optind < argc)
+    return cli_usage(&cli_crosscheck, "one packing is enough: what is \"%s\"?", argv[optind]);
+  if (!j->path_file) return cli_usage(&cli_crosscheck, "--path is missing");
+  if (!j->folder) return cli_usage(&cli_crosscheck, "-o is missing: a folder for the results");
+  if (!(j->rve.tolerance < 1))
+    return cli_usage(&cli_crosscheck, "--tolerance must be below 1, not %g", j->rve.tolerance);
+  int status = contact_law(&cli_crosscheck, &contact, &j->rve.law);
+  if (status == 0 && j->rve.law.hardening > 0)
+    return cli_usage(&cli_crosscheck, "--hardening must be 0: the other programs have none");
+  return status;
+}
+
+/* ---- the work ---- */
+
+static gh_status cut_path(cross_job *j) {
+  for (int k = 0; k < j->levels; k++) {
+    j->level[k].parts = 1 << k;
+    GH_TRY(cross_path_cut(j->ctx, &j->path, j->level[k].parts, &j->level[k].path));
+  }
+  return GH_OK;
+}
+
+/* What is there is written after each run: those to come may take long. */
+static gh_status run_levels(cross_job *j) {
+  gh_work work;
+  int done = 0;
+  gh_work_begin(j->ctx, &work, "crosscheck", "runs", j->levels * j->engines);
+  for (int k = 0; k < j->levels; k++)
+    for (int e = 0; e < j->engines; e++) {
+      GH_TRY(cross_run(j, j->level + k, e));
+      GH_TRY(cross_write(j));
+      gh_work_advance(j->ctx, &work, ++done);
+    }
+  gh_work_end(j->ctx, &work, done);
+  return GH_OK;
+}
+
+/* A program that failed or was stopped makes the whole fail, after all is written. */
+static gh_status judge(const cross_job *j) {
+  for (int k = 0; k < j->levels; k++)
+    for (int e = 0; e < j->engines; e++) {
+      const cross_trace *t = j->level[k].trace + e;
+      if (t->result.end == GH_PEER_FAILED || t->result.end == GH_PEER_STOPPED)
+        return gh_fail(j->ctx, GH_DIVERGED, "%s: %s: %s", cross_engines[t->engine].title,
+                       gh_peer_end_text(t->result.end), t->result.message);
+    }
+  return GH_OK;
+}
+
+static gh_status crosscheck(cross_job *j) {
+  GH_TRY(gh_packing_read(j->ctx, j->packing_file, &j->packing));
+  GH_TRY(path_read(j->ctx, j->path_file, &j->path));
+  GH_TRY(cli_mpi(j->ctx, true));
+  GH_TRY(cut_path(j));
+  GH_TRY(cross_check(j));
+  GH_TRY(gh_folder_make(j->ctx, j->folder));
+  GH_TRY(run_levels(j));
+  cross_print(j);
+  if (cross_draw(j) != GH_OK) gh_log(j->ctx, GH_LEVEL_WARNING, "no picture: %s", gh_message(j->ctx));
+  return judge(j);
+}
+
+static void free_job(cross_job *j) {
+  for (int k = 0; k < j->levels; k++) {
+    cross_path_free(&j->level[k].path);
+    for (int e = 0; e < j->engines; e++) free(j->level[k].trace[e].rows);
+  }
+  gh_csv_destroy(&j->path.csv);
+  gh_packing_destroy(&j->packing);
+}
+
+static int run(int argc, char **argv) {
+  cross_job j = {.rve = gh_rve_defaults(),
+                 .steps_per_row = 50,
+                 .seconds = 600,
+                 .engines = CROSS_ENGINES,
+                 .engine = {0, 1, 2, 3},
+                 .levels = 1};
+  j.rve.boundary = GH_PERIODIC;
+  if (j.rve.max_steps == 0) j.rve.max_steps = 400000;
+  int usage = parse(argc, argv, &j);
+  if (usage) return usage;
+  signal(SIGPIPE, SIG_IGN); /* gnuplot may end early: its status tells */
+  j.ctx = cli_open();
+  if (!j.ctx) return 1;
+  gh_status status = crosscheck(&j);
+  free_job(&j);
+  return cli_close(j.ctx, status);
+}
+
+const cli_command cli_crosscheck = {"crosscheck", "one packing and path through several programs, compared",
+                                    help, run};

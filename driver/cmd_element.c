@@ -1,0 +1,306 @@
+/* granhom element: one material point under prescribed stresses and strains. SPDX-License-Identifier:
+ * GPL-2.0-or-later */
+#include "cli.h"
+#include "contact_options.h"
+#include "element_spec.h"
+#include "rve_state.h"
+
+#include "granhom/io.h"
+
+#include <getopt.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const char help[] =
+    "usage: granhom element PACKING --control SPEC.yaml [options] [-o OUT.csv]\n"
+    "       granhom element PACKING --path TABLE.csv [options] [-o OUT.csv]\n"
+    "\n"
+    "An element test: any mix of stresses and strains is prescribed for one packing, and F is found.\n"
+    "\n"
+    "  --control FILE         YAML: steps: [{name, increments, control: {...}, until: {...}}, ...]. A "
+    "step's\n"
+    "                         control names three conditions, or four; each is a number, which it goes to\n"
+    "                         linearly, or hold, {to: x}, {by: x} or {times: x}. Conditions are F11 F12 F21\n"
+    "                         F22, volume (det F), Cauchy stresses s11 s12 s22, pressure (-(s11 + s22)/2),\n"
+    "                         Piola stresses P11 P12 P21 P22, and sums: \"s22 - 0.5 s11\". With three, F21 "
+    "is\n"
+    "                         held: what is horizontal stays so. `until: {s12: 0.05}` ends a step early;\n"
+    "                         {repeat: N, steps: [...]} repeats steps\n"
+    "  --path FILE            CSV: a column for each of the conditions, a row of targets per increment;\n"
+    "                         - is standard input\n"
+    "  -o, --output FILE      results (default: standard output)\n"
+    "  --boundary NAME        taylor, taylor-cell, restricted or periodic (default), as in granhom rve\n"
+    "  --engine NAME          lammps (default) or native\n" CONTACT_HELP
+    "  --tolerance T          largest force on a grain over the mean contact force (default 1e-10)\n"
+    "  --stress-tolerance T   lack of a prescribed stress over the largest stress (default 1e-6)\n"
+    "  --max-steps N          relaxation steps after which an evaluation has failed (default 400000)\n"
+    "  --cut-steps N          how often a failing increment is halved, 0 to 30 (default 6)\n"
+    "  --stop-at-jumps        fail where a jump of the packing, or a limit load, has no equilibrium near,\n"
+    "                         instead of passing it by servo control\n"
+    "  --save-state FILE      converged state at the end (HDF5), for --load-state here and in granhom rve\n"
+    "  --load-state FILE      start from such a state instead of the packing as read\n"
+    "\n"
+    "The results have the columns of granhom rve and: load_step, volume, pressure, iterations (evaluations "
+    "of\n"
+    "the packing), parts, cuts, jumps, mismatch (lack of the prescribed stresses over the largest stress).\n"
+    "Row 0 is the start: the packing as read, in equilibrium.\n"
+    "\n"
+    "Exit status: 0 done, 1 an increment did not converge (the rows before it are written), 2 wrong input.\n";
+
+static const double WRITE_EVERY = 2; /* seconds */
+
+typedef struct arguments {
+  const char *packing, *control, *path, *output, *save, *load;
+  gh_rve_options rve;
+  gh_control_options options;
+  contact_options contact;
+} arguments;
+
+typedef struct job {
+  gh_context *ctx;
+  const arguments *args;
+  gh_packing *packing;
+  element_spec spec;
+  gh_rve *rve;
+  gh_control *control;
+  gh_text *out;
+  int row, jumps, jumped; /* rows written; jumps in all, and increments that had some */
+  double written;
+} job;
+
+/* ---- options ---- */
+
+/* A number above 0 and below `below`. */
+static int positive(const char *option, const char *text, double below, double *value) {
+  if (!gh_parse_number(text, value) || !(*value > 0))
+    return cli_usage(&cli_element, "%s must be a positive number, not \"%s\"", option, text);
+  if (*value < below) return 0;
+  return cli_usage(&cli_element, "%s must be below %g, not %g", option, below, *value);
+}
+
+static int integer(const char *option, const char *text, long low, long high, long *value) {
+  if (gh_parse_integer(text, low, high, value)) return 0;
+  return cli_usage(&cli_element, "%s must be an integer from %ld to %ld, not \"%s\"", option, low, high,
+                   text);
+}
+
+static int parse_text(int c, arguments *a) {
+  const char **const texts[] = {
+      ['c'] = &a->control, ['p'] = &a->path, ['o'] = &a->output, ['s'] = &a->save, ['l'] = &a->load};
+  *texts[c] = optarg;
+  return 0;
+}
+
+static int parse_option(int c, arguments *a) {
+  long number;
+  int status = contact_option(&cli_element, c, optarg, &a->contact);
+  if (status >= 0) return status;
+  switch (c) {
+  case 'T':
+    return positive("--tolerance", optarg, 1, &a->rve.tolerance);
+  case 'S':
+    return positive("--stress-tolerance", optarg, 1, &a->options.tolerance);
+  case 'n':
+    status = integer("--max-steps", optarg, 1, 1000000000, &number);
+    if (!status) a->rve.max_steps = number;
+    return status;
+  case 'k':
+    status = integer("--cut-steps", optarg, 0, 30, &number);
+    if (!status) a->options.cut_steps = (int)number;
+    return status;
+  case 'j':
+    return a->options.pass_jumps = false, 0;
+  case 'b':
+    if (gh_boundary_from_name(optarg, &a->rve.boundary)) return 0;
+    return cli_usage(&cli_element, "--boundary is taylor, taylor-cell, restricted or periodic, not \"%s\"",
+                     optarg);
+  case 'e':
+    if (!strcmp(optarg, "lammps")) return a->rve.engine = GH_ENGINE_LAMMPS, 0;
+    if (!strcmp(optarg, "native")) return a->rve.engine = GH_ENGINE_NATIVE, 0;
+    return cli_usage(&cli_element, "--engine is lammps or native, not \"%s\"", optarg);
+  default:
+    return parse_text(c, a);
+  }
+}
+
+static int parse(int argc, char **argv, arguments *a) {
+  static const struct option options[] = {{"control", 1, 0, 'c'},
+                                          {"path", 1, 0, 'p'},
+                                          {"output", 1, 0, 'o'},
+                                          {"boundary", 1, 0, 'b'},
+                                          {"engine", 1, 0, 'e'},
+                                          {"tolerance", 1, 0, 'T'},
+                                          {"max-steps", 1, 0, 'n'},
+                                          {"cut-steps", 1, 0, 'k'},
+                                          {"stress-tolerance", 1, 0, 'S'},
+                                          {"save-state", 1, 0, 's'},
+                                          {"load-state", 1, 0, 'l'},
+                                          {"stop-at-jumps", 0, 0, 'j'},
+                                          CONTACT_OPTIONS,
+                                          {0, 0, 0, 0}};
+  *a = (arguments){.rve = gh_rve_defaults(), .options = gh_control_defaults()};
+  a->rve.tolerance = 1e-10;
+  opterr = 0;
+  optind = 1;
+  for (int c; (c = getopt_long(argc, argv, ":o:", options, NULL)) != -1;) {
+    if (c == '?') return cli_usage(&cli_element, "unknown option %s", argv[optind - 1]);
+    if (c == ':') return cli_usage(&cli_element, "%s needs a value", argv[optind - 1]);
+    int status = parse_option(c, a);
+    if (status) return status;
+  }
+  if (optind == argc) return cli_usage(&cli_element, "which packing?");
+  a->packing = argv[optind++];
+  if (optind < argc) return cli_usage(&cli_element, "one packing is enough: what is \"%s\"?", argv[optind]);
+  if (!a->control == !a->path)
+    return cli_usage(&cli_element, "give one of --control and --path, which say what is prescribed");
+  int status = contact_law(&cli_element, &a->contact, &a->rve.law);
+  a->options.stiffness = a->rve.law.normal_stiffness;
+  return status;
+}
+
+/* ---- results ---- */
+
+static void write_header(job *j) {
+  gh_text_print(
+      j->out,
+      "step,F11,F12,F21,F22,P11,P12,P21,P22,s11,s12,s21,s22,energy,contacts,rattlers,residual,seconds%s"
+      ",load_step,volume,pressure,iterations,parts,cuts,jumps,mismatch\n",
+      j->args->rve.law.friction ? ",energy_t,dissipation,sliding" : "");
+}
+
+static void write_row(job *j, int load_step, const gh_control_report *r, double seconds) {
+  const gh_rve_measures *m = gh_rve_measure(j->rve);
+  const double *const blocks[] = {m->F, m->P, m->cauchy};
+  gh_text_print(j->out, "%d", j->row);
+  for (int b = 0; b < 3; b++)
+    for (int k = 0; k < 4; k++) gh_text_print(j->out, ",%.17g", blocks[b][k]);
+  gh_text_print(j->out, ",%.17g,%d,%d,%.17g,%.6g", m->energy, m->contacts, m->rattlers, m->residual, seconds);
+  if (j->args->rve.law.friction)
+    gh_text_print(j->out, ",%.17g,%.17g,%d", m->energy_t, m->dissipation, m->sliding);
+  gh_text_print(j->out, ",%d,%.17g,%.17g,%d,%d,%d,%d,%.6g\n", load_step, gh_det2(m->F),
+                -(m->cauchy[0] + m->cauchy[3]) / 2, r->iterations, r->parts, r->cuts, r->jumps, r->mismatch);
+  j->row++;
+  j->jumps += r->jumps;
+  j->jumped += r->jumps > 0;
+}
+
+/* The file appears whole, the first time before the first increment: what cannot be written is known early,
+ * and a killed run leaves what it had. */
+static gh_status write_file(job *j, bool last) {
+  const char *path = j->args->output;
+  j->written = gh_seconds();
+  if (path && strcmp(path, "-")) return gh_text_commit(j->out, path);
+  size_t length;
+  const char *bytes = gh_text_get(j->out, &length);
+  if (last && (fwrite(bytes, 1, length, stdout) != length || fflush(stdout)))
+    return gh_fail(j->ctx, GH_SYSTEM, "standard output: cannot write");
+  return GH_OK;
+}
+
+/* ---- the test ---- */
+
+/* Where the conditions are at the begin of a step, and where they go. */
+static gh_status set_out(job *j, const element_step *s, double from[4], double to[4]) {
+  for (int k = 0; k < 4; k++) {
+    from[k] = gh_condition_value(&s->condition[k], gh_control_F(j->control), gh_control_P(j->control));
+    to[k] = s->way[k] == ELEMENT_TO   ? s->value[k]
+            : s->way[k] == ELEMENT_BY ? from[k] + s->value[k]
+                                      : from[k] * s->value[k];
+  }
+  return GH_OK;
+}
+
+static bool beyond(const job *j, const element_step *s) {
+  return gh_condition_value(&s->end, gh_control_F(j->control), gh_control_P(j->control)) > s->level;
+}
+
+static gh_status increment(job *j, const element_step *s, int number, int k, const double from[4],
+                           const double to[4]) {
+  double start = gh_seconds(), target[4], t = (k + 1.) / s->increments;
+  gh_control_report report;
+  for (int c = 0; c < 4; c++) target[c] = k + 1 < s->increments ? from[c] + t * (to[c] - from[c]) : to[c];
+  gh_status status = gh_control_solve(j->control, s->condition, target, &report);
+  if (status != GH_OK)
+    return gh_prefix(j->ctx, status, "%s, increment %d of %d: ", s->name, k + 1, s->increments);
+  write_row(j, number, &report, gh_seconds() - start);
+  return GH_OK;
+}
+
+static gh_status step(job *j, int number, gh_work *work, int before) {
+  const element_step *s = &j->spec.steps[number - 1];
+  double from[4], to[4];
+  GH_TRY(set_out(j, s, from, to));
+  bool side = s->until && beyond(j, s);
+  for (int k = 0; k < s->increments; k++) {
+    GH_TRY(increment(j, s, number, k, from, to));
+    gh_work_advance(j->ctx, work, before + k + 1);
+    if (gh_seconds() - j->written > WRITE_EVERY) GH_TRY(write_file(j, false));
+    if (s->until && beyond(j, s) != side) return GH_OK;
+  }
+  return GH_OK;
+}
+
+static gh_status walk(job *j) {
+  gh_work work;
+  int before = 0;
+  double start = gh_seconds();
+  gh_control_report none = {.parts = 1, .iterations = 1};
+  GH_TRY(gh_control_start(j->control, gh_rve_F(j->rve)));
+  write_row(j, 0, &none, gh_seconds() - start);
+  gh_work_begin(j->ctx, &work, "element", "increments", j->spec.increments);
+  gh_status status = GH_OK;
+  for (int n = 1; n <= j->spec.nsteps && status == GH_OK; n++) {
+    status = step(j, n, &work, before);
+    before += j->spec.steps[n - 1].increments;
+  }
+  gh_work_end(j->ctx, &work, j->row - 1);
+  if (j->jumps)
+    gh_log(j->ctx, GH_LEVEL_INFO, "%d jump%s of the packing passed by servo control, in %d of %d increments",
+           j->jumps, j->jumps == 1 ? "" : "s", j->jumped, j->row - 1);
+  return status;
+}
+
+/* What was computed is written also when an increment failed; the failure's message stays the one that is
+ * told. */
+static gh_status finish(job *j, gh_status status) {
+  char *message = status == GH_OK ? NULL : strdup(gh_message(j->ctx));
+  gh_status s = write_file(j, true);
+  if (s == GH_OK && status == GH_OK && j->args->save)
+    s = rve_state_save(j->ctx, j->args->save, j->rve, &j->args->rve, j->packing);
+  if (message) gh_fail(j->ctx, status, "%s", message);
+  free(message);
+  return status == GH_OK ? s : status;
+}
+
+static gh_status element(job *j) {
+  const arguments *a = j->args;
+  GH_TRY(a->control ? element_spec_read(j->ctx, a->control, &j->spec)
+                    : element_spec_read_path(j->ctx, a->path, &j->spec));
+  GH_TRY(gh_packing_read(j->ctx, a->packing, &j->packing));
+  GH_TRY(cli_mpi(j->ctx, true));
+  GH_TRY(gh_rve_create(j->ctx, j->packing, &a->rve, &j->rve));
+  if (a->load) GH_TRY(rve_state_load(j->ctx, a->load, j->rve, &a->rve, j->packing));
+  GH_TRY(gh_control_create_rve(j->ctx, j->rve, &a->options, &j->control));
+  GH_TRY(gh_text_create(j->ctx, &j->out));
+  write_header(j);
+  GH_TRY(write_file(j, false));
+  return finish(j, walk(j));
+}
+
+static int run(int argc, char **argv) {
+  arguments args;
+  int usage = parse(argc, argv, &args);
+  if (usage) return usage;
+  job j = {.ctx = cli_open(), .args = &args};
+  if (!j.ctx) return 1;
+  gh_status status = element(&j);
+  gh_control_destroy(&j.control);
+  gh_rve_destroy(&j.rve);
+  gh_text_destroy(&j.out);
+  element_spec_free(&j.spec);
+  gh_packing_destroy(&j.packing);
+  return cli_close(j.ctx, status);
+}
+
+const cli_command cli_element = {"element", "element test: a packing under prescribed stresses and strains",
+                                 help, run};

@@ -1,0 +1,74 @@
+/* granhom: other programs for the discrete element method on the same packing and path, to check against.
+ * SPDX-License-Identifier: GPL-2.0-or-later
+ *
+ * A peer takes a periodic packing along a path of deformation gradients with its own contact law and its own
+ * time integration: LAMMPS's pair style gran/hooke/history, in this process, and LIGGGHTS's `gran model
+ * hooke/stiffness tangential history`, as a child process. Both integrate the tangential displacement of a
+ * contact over the time steps of a damped motion, where granhom takes it from one converged state to the next
+ * (docs/crosscheck.md). */
+#ifndef GRANHOM_PEERS_H
+#define GRANHOM_PEERS_H
+
+#include "granhom/base.h"
+#include "granhom/contact.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+typedef enum gh_peer_kind { GH_PEER_LAMMPS, GH_PEER_LIGGGHTS } gh_peer_kind;
+
+typedef struct gh_peer_problem {
+  int n;
+  const double *radius; /* n, > 0 */
+  const double *x;      /* n x 2, positions before the path, from the cell's corner */
+  double cell[4];       /* before the path; columns are the lattice vectors */
+  gh_contact_law law;   /* the slip measure is the peers' own */
+  int rows;
+  const double *F;  /* rows x 4; the cell of row k is F_k cell. The packing is relaxed in each */
+  double tolerance; /* largest force on a grain, and moment over radius, over the mean normal contact force */
+  long max_steps;   /* time steps of relaxation before a row has failed */
+  int steps_per_row;   /* time steps over which the motion from row to row is spread, >= 1 */
+  double seconds;      /* time limit for the path, > 0 */
+  const char *program; /* of LIGGGHTS, looked for in PATH unless it holds a slash; NULL: "liggghts" */
+} gh_peer_problem;
+
+/* A relaxed row of the path. */
+typedef struct gh_peer_row {
+  double cauchy[4]; /* (1/V) sum f (x) l over the contacts, force per length, in the frame of F */
+  int contacts;
+  double mean_force; /* mean normal contact force */
+  double residual;
+  long steps; /* time steps of this row */
+} gh_peer_row;
+
+typedef enum gh_peer_end {
+  GH_PEER_DONE,
+  GH_PEER_MISSING, /* the program is not installed */
+  GH_PEER_UNABLE,  /* it cannot do what the path asks */
+  GH_PEER_FAILED,  /* its own error, or no equilibrium */
+  GH_PEER_STOPPED  /* by the time limit */
+} gh_peer_end;
+const char *gh_peer_end_text(gh_peer_end end); /* "done", "missing", ... */
+
+typedef struct gh_peer_result {
+  gh_peer_end end;
+  int rows;          /* complete ones, from the begin of the path */
+  char message[400]; /* why it ended early; "" when done */
+  double seconds;    /* of the clock, start of the program included */
+} gh_peer_result;
+
+/* GH_INPUT when a peer cannot take the problem: values out of range, hardening, which the peers' laws do not
+ * have, det F <= 0, a cell that is sheared by more than half its width or narrower than four of the largest
+ * radii. */
+gh_status gh_peer_check(gh_context *ctx, const gh_peer_problem *problem);
+/* Runs the path. What becomes of the peer is told in the result; an error is returned only for what
+ * gh_peer_check refuses, and GH_SYSTEM, GH_MEMORY: no folder for temporary files, no memory. row:
+ * problem->rows of them; those past result->rows are not set. */
+gh_status gh_peer_run(gh_context *ctx, gh_peer_kind kind, const gh_peer_problem *problem, gh_peer_row *row,
+                      gh_peer_result *result);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

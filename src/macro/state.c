@@ -1,0 +1,97 @@
+/* The state of the macro problem between two increments, as numbers. SPDX-License-Identifier:
+ * GPL-2.0-or-later */
+#include "macro/internal.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+/* ndof, npoints, following edges, started, solved, footings; numbers of an edge and of a footing */
+enum { HEAD = 6, EDGE = 3, FOOTING = 7 };
+
+/* The arrays that an increment begins with: the last equilibrium and what holds it. All else is made anew. */
+typedef struct piece {
+  double *data;
+  size_t n;
+} piece;
+
+static int pieces(const gh_macro *m, piece list[8]) {
+  size_t d = (size_t)m->ndof, n = (size_t)m->npoints;
+  const piece all[8] = {{m->eq.u, d},    {m->eq.F, 4 * n}, {m->eq.P, 4 * n}, {m->eq.A, 16 * n},
+                        {m->eq.fint, d}, {m->reaction, d}, {m->f0, d},       {m->force, d}};
+  memcpy(list, all, sizeof all);
+  return 8;
+}
+
+static size_t size_for(const gh_macro *m, size_t edges, size_t footings) {
+  piece list[8];
+  size_t size = HEAD + EDGE * edges + FOOTING * footings;
+  for (int k = 0, n = pieces(m, list); k < n; k++) size += list[k].n;
+  return size;
+}
+
+size_t gh_macro_state_size(const gh_macro *m) {
+  return size_for(m, (size_t)m->follow.n, (size_t)m->nfootings);
+}
+
+void gh_macro_save(const gh_macro *m, double *state) {
+  piece list[8];
+  const double head[HEAD] = {m->ndof, m->npoints, m->follow.n, m->started, m->solved, m->nfootings};
+  memcpy(state, head, sizeof head);
+  state += HEAD;
+  for (int k = 0, n = pieces(m, list); k < n; k++) {
+    memcpy(state, list[k].data, list[k].n * sizeof *state);
+    state += list[k].n;
+  }
+  for (int k = 0; k < m->follow.n; k++, state += EDGE) {
+    const gh_edge_load *e = m->follow.edge + k;
+    state[0] = e->a, state[1] = e->b, state[2] = e->pressure;
+  }
+  for (int k = 0; k < m->nfootings; k++, state += FOOTING) {
+    const gh_footing_load *f = &m->footing[k].from;
+    state[0] = f->set;
+    memcpy(state + 1, f->force, sizeof f->force);
+    memcpy(state + 3, f->arm, sizeof f->arm);
+  }
+}
+
+/* Sets and loads of the footings; gh_footings_begin finds all else. */
+static gh_status load_footings(gh_macro *m, const double *state, int count) {
+  gh_footing *list;
+  GH_TRY(gh_alloc(m->ctx, (size_t)count + 1, sizeof *list, &list));
+  free(m->footing);
+  m->footing = list;
+  m->nfootings = count;
+  for (int k = 0; k < count; k++, state += FOOTING) {
+    if (!(state[0] >= 0 && state[0] < m->mesh->nsets)) {
+      m->nfootings = 0;
+      return gh_fail(m->ctx, GH_INPUT, "the state has a footing on set %g", state[0]);
+    }
+    list[k].set = m->mesh->sets + (int)state[0];
+    list[k].from.set = (int)state[0];
+    memcpy(list[k].from.force, state + 1, sizeof list[k].from.force);
+    memcpy(list[k].from.arm, state + 3, sizeof list[k].from.arm);
+  }
+  return GH_OK;
+}
+
+gh_status gh_macro_load(gh_macro *m, const double *state, size_t size) {
+  piece list[8];
+  double edges = size >= HEAD ? state[2] : -1, footings = size >= HEAD ? state[5] : -1;
+  if (!(edges >= 0 && edges < 1e9 && footings >= 0 && footings < 1e9) || state[0] != m->ndof ||
+      state[1] != m->npoints || size != size_for(m, (size_t)edges, (size_t)footings))
+    return gh_fail(m->ctx, GH_INPUT, "the state of %zu numbers does not belong to this mesh", size);
+  m->started = state[3] != 0;
+  m->solved = state[4] != 0;
+  state += HEAD;
+  for (int k = 0, n = pieces(m, list); k < n; k++) {
+    memcpy(list[k].data, state, list[k].n * sizeof *state);
+    state += list[k].n;
+  }
+  m->follow.n = 0;
+  for (int k = 0; k < (int)edges; k++, state += EDGE) {
+    if (!(state[0] >= 0 && state[0] < m->mesh->nnodes && state[1] >= 0 && state[1] < m->mesh->nnodes))
+      return gh_fail(m->ctx, GH_INPUT, "the state has an edge from node %g to %g", state[0], state[1]);
+    GH_TRY(gh_edge_loads_add(m->ctx, &m->follow, (int)state[0], (int)state[1], state[2]));
+  }
+  return load_footings(m, state, (int)footings);
+}

@@ -1,0 +1,233 @@
+/* Chosen material points as LAMMPS dumps: point_17.dump holds the grains, point_17.contacts.dump the contacts
+ * (a `dump local`). SPDX-License-Identifier: GPL-2.0-or-later
+ *
+ * A frame is put together in memory, appended by one write and fsynced. A write that fails is taken back; one
+ * that is cut by a kill leaves a part of one frame at the end. Whatever follows the last whole frame of an
+ * earlier increment is cut off before the next frame, so that a run that goes on also replaces what a killed
+ * one left. */
+#include "scene/results.h"
+
+#include <dirent.h>
+#include <errno.h>
+#include <fcntl.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+/* ---- files that grow by whole frames ---- */
+
+/* Passes over one line; false when it is not there with its end. */
+static bool pass_line(FILE *file, char **line, size_t *size) {
+  ssize_t n = getline(line, size, file);
+  return n > 0 && (*line)[n - 1] == '\n';
+}
+
+/* Passes over one frame of an increment before `counter`; false when there is none, or only a part of one. */
+static bool pass_frame(FILE *file, char **line, size_t *size, long counter) {
+  long step, rows;
+  if (!pass_line(file, line, size) || strcmp(*line, "ITEM: TIMESTEP\n") != 0) return false;
+  if (!pass_line(file, line, size) || sscanf(*line, "%ld", &step) != 1 || step >= counter) return false;
+  if (!pass_line(file, line, size)) return false;
+  if (!pass_line(file, line, size) || sscanf(*line, "%ld", &rows) != 1) return false;
+  for (long k = 0; k < rows + 5; k++) /* box and its three sides, head of the table, rows */
+    if (!pass_line(file, line, size)) return false;
+  return true;
+}
+
+static gh_status cannot(gh_context *ctx, const char *path, const char *what) {
+  return gh_fail(ctx, GH_SYSTEM, "%s: cannot %s: %s", path, what, strerror(errno));
+}
+
+/* Where the whole frames of increments before `counter` end. */
+static off_t find_end(const char *path, int counter) {
+  FILE *file = counter > 0 ? fopen(path, "r") : NULL;
+  char *line = NULL;
+  size_t size = 0;
+  off_t end = 0;
+  if (!file) return 0;
+  while (pass_frame(file, &line, &size, counter)) end = ftello(file);
+  free(line);
+  fclose(file);
+  return end;
+}
+
+/* *end: where the frame goes, -1 while unknown; afterwards where the next one goes. */
+static gh_status append(gh_context *ctx, const char *path, int counter, const gh_text *frame, off_t *end) {
+  size_t length, done = 0;
+  const char *bytes = gh_text_get(frame, &length);
+  if (*end < 0) *end = find_end(path, counter);
+  int fd = open(path, O_WRONLY | O_CREAT | O_CLOEXEC, 0666);
+  if (fd < 0) return cannot(ctx, path, "open");
+  gh_status status = ftruncate(fd, *end) == 0 ? GH_OK : cannot(ctx, path, "cut");
+  while (status == GH_OK && done < length) {
+    ssize_t n = pwrite(fd, bytes + done, length - done, *end + (off_t)done);
+    if (n > 0) done += (size_t)n;
+    else if (n < 0 && errno != EINTR) status = cannot(ctx, path, "write");
+  }
+  if (status == GH_OK && fsync(fd) != 0) status = cannot(ctx, path, "write");
+  if (status != GH_OK && ftruncate(fd, *end) != 0) status = cannot(ctx, path, "take back a part of a frame");
+  close(fd);
+  if (status == GH_OK) *end += (off_t)length;
+  return status;
+}
+
+/* ---- frames ---- */
+
+/* The box of a frame, and how positions are turned into it. LAMMPS wants the first lattice vector along x. */
+typedef struct box {
+  bool periodic;
+  double cell[4], turn[4], inverse[4], low[2], high[2];
+} box;
+
+static void find_box(const gh_rve_view *v, box *b) {
+  *b = (box){.periodic = v->periodic, .turn = {1, 0, 0, 1}};
+  if (v->periodic) {
+    double a = hypot(v->cell[0], v->cell[2]), c = v->cell[0] / a, s = v->cell[2] / a;
+    memcpy(b->turn, (double[4]){c, s, -s, c}, sizeof b->turn);
+    gh_mul2(b->turn, v->cell, b->cell);
+    b->cell[2] = 0;
+    b->cell[1] -= nearbyint(b->cell[1] / b->cell[0]) * b->cell[0]; /* the same lattice with the least tilt */
+    gh_apply2(b->turn, v->low, b->low);
+    gh_inv2(b->cell, b->inverse);
+    return;
+  }
+  for (int k = 0; k < 2; k++) {
+    b->low[k] = INFINITY, b->high[k] = -INFINITY;
+    for (int i = 0; i < v->n; i++) {
+      b->low[k] = fmin(b->low[k], v->x[2 * i + k] - v->radius[i]);
+      b->high[k] = fmax(b->high[k], v->x[2 * i + k] + v->radius[i]);
+    }
+  }
+}
+
+static void print_head(gh_text *t, int counter, const char *what, int rows, const box *b) {
+  gh_text_print(t, "ITEM: TIMESTEP\n%d\nITEM: NUMBER OF %s\n%d\n", counter, what, rows);
+  if (b->periodic) {
+    double tilt = b->cell[1];
+    gh_text_print(t, "ITEM: BOX BOUNDS xy xz yz pp pp pp\n%.17g %.17g %.17g\n%.17g %.17g 0\n-0.5 0.5 0\n",
+                  b->low[0] + fmin(tilt, 0), b->low[0] + b->cell[0] + fmax(tilt, 0), tilt, b->low[1],
+                  b->low[1] + b->cell[3]);
+  } else {
+    gh_text_print(t, "ITEM: BOX BOUNDS ff ff pp\n%.17g %.17g\n%.17g %.17g\n-0.5 0.5\n", b->low[0], b->high[0],
+                  b->low[1], b->high[1]);
+  }
+}
+
+/* x in the box, and how many lattice vectors it is away from it. */
+static void into_box(const box *b, const double from[2], double x[2], int image[2]) {
+  double s[2];
+  gh_apply2(b->turn, from, x);
+  image[0] = image[1] = 0;
+  if (!b->periodic) return;
+  for (int k = 0; k < 2; k++) s[k] = x[k] - b->low[k];
+  gh_apply2(b->inverse, s, s);
+  double shift[2] = {floor(s[0]), floor(s[1])};
+  for (int k = 0; k < 2; k++) image[k] = (int)shift[k];
+  gh_apply2(b->cell, shift, s);
+  for (int k = 0; k < 2; k++) x[k] -= s[k];
+}
+
+static void print_grains(gh_text *t, int counter, const gh_rve_view *v, const box *b) {
+  print_head(t, counter, "ATOMS", v->n, b);
+  gh_text_print(t, "ITEM: ATOMS id type x y z ix iy iz radius grain rattler held replica%s\n",
+                v->theta ? " theta" : "");
+  for (int i = 0; i < v->n; i++) {
+    double x[2];
+    int image[2];
+    into_box(b, v->x + 2 * i, x, image);
+    gh_text_print(t, "%d %d %.17g %.17g 0 %d %d 0 %.17g %d %d %d %d", i + 1, v->type[i], x[0], x[1], image[0],
+                  image[1], v->radius[i], v->id[i], v->flags[i] & 1, v->flags[i] >> 1 & 1,
+                  v->flags[i] >> 2 & 1);
+    if (v->theta) gh_text_print(t, " %.17g", v->theta[i]);
+    gh_text_print(t, "\n");
+  }
+}
+
+/* Force on the first grain, its parts along -n (pressing) and along t, n turned by +90 degrees. */
+static void print_contact(gh_text *t, const gh_rve_view *v, const box *b, int k) {
+  const gh_contact *c = v->contacts + k;
+  double x[2], l[2], f[2], length = hypot(c->l[0], c->l[1]);
+  int image[2];
+  into_box(b, v->x + 2 * c->i, x, image);
+  gh_apply2(b->turn, c->l, l);
+  gh_apply2(b->turn, c->f, f);
+  double n[2] = {l[0] / length, l[1] / length}, along = f[0] * n[0] + f[1] * n[1];
+  gh_text_print(t, "%d %d %d %.17g %.17g %.17g %.17g %.17g %.17g %.17g %.17g %.17g", k + 1, c->i + 1,
+                c->j + 1, x[0], x[1], l[0], l[1], f[0], f[1], -along, f[1] * n[0] - f[0] * n[1], c->overlap);
+  if (v->friction) {
+    const gh_friction *q = v->friction + k;
+    gh_text_print(t, " %d %.17g %.17g", q->slides != 0, q->slip.gamma, q->slip.gamma_pl);
+  }
+  gh_text_print(t, "\n");
+}
+
+static void print_contacts(gh_text *t, int counter, const gh_rve_view *v, const box *b) {
+  print_head(t, counter, "ENTRIES", v->ncontacts, b);
+  gh_text_print(t, "ITEM: ENTRIES index id1 id2 x1 y1 lx ly fx fy fn ft overlap%s\n",
+                v->friction ? " sliding slip slip_plastic" : "");
+  for (int k = 0; k < v->ncontacts; k++) print_contact(t, v, b, k);
+}
+
+static gh_status dump(scene_results *r, const scene_frame *f, const char *folder, int point, bool contacts,
+                      const gh_rve_view *v, const box *b, off_t *end) {
+  char name[64];
+  gh_text *frame;
+  snprintf(name, sizeof name, "point_%d.%sdump", point, contacts ? "contacts." : "");
+  char *path = gh_path_join(folder, name);
+  if (!path) return gh_fail(r->ctx, GH_MEMORY, "no memory for a path");
+  gh_status status = gh_text_create(r->ctx, &frame);
+  if (status == GH_OK) {
+    (contacts ? print_contacts : print_grains)(frame, f->counter, v, b);
+    status = append(r->ctx, path, f->counter, frame, end);
+    gh_text_destroy(&frame);
+  }
+  free(path);
+  return status;
+}
+
+/* The dumps of a run before. */
+static void clear(const char *folder) {
+  DIR *dir = opendir(folder);
+  for (struct dirent *e; dir && (e = readdir(dir));) {
+    if (strncmp(e->d_name, "point_", 6) != 0 || strlen(e->d_name) < 5 ||
+        strcmp(e->d_name + strlen(e->d_name) - 5, ".dump") != 0)
+      continue;
+    char *path = gh_path_join(folder, e->d_name);
+    if (path) unlink(path);
+    free(path);
+  }
+  if (dir) closedir(dir);
+}
+
+static gh_status dump_all(scene_results *r, const scene_frame *f, const char *folder) {
+  const gh_scene *s = r->scene;
+  int count = s->ndumps == SCENE_ALL_RVES ? gh_farm_size(r->farm) : s->ndumps;
+  if (count == 0) return GH_OK;
+  GH_TRY(gh_folder_make(r->ctx, folder));
+  if (!r->dump_end) {
+    GH_TRY(gh_alloc(r->ctx, 2 * (size_t)count, sizeof *r->dump_end, &r->dump_end));
+    for (int k = 0; k < 2 * count; k++) r->dump_end[k] = -1;
+  }
+  for (int k = 0; k < count; k++) {
+    int point = s->ndumps == SCENE_ALL_RVES ? k : s->dumps[k];
+    gh_rve_view v;
+    const gh_rve_measures *m;
+    box b;
+    GH_TRY(scene_look_at_point(r, point, &v, &m));
+    if (!m) continue;
+    find_box(&v, &b);
+    GH_TRY(dump(r, f, folder, point, false, &v, &b, r->dump_end + 2 * k));
+    GH_TRY(dump(r, f, folder, point, true, &v, &b, r->dump_end + 2 * k + 1));
+  }
+  return GH_OK;
+}
+
+gh_status scene_write_dumps(scene_results *r, const scene_frame *f) {
+  char *folder;
+  GH_TRY(scene_result_path(r, "dumps", &folder));
+  if (f->counter == 0) clear(folder);
+  gh_status status = f->counter % r->scene->dump_every == 0 ? dump_all(r, f, folder) : GH_OK;
+  free(folder);
+  return status;
+}

@@ -1,0 +1,134 @@
+/* history.csv as it was written: a table with words in it, and which of its columns make the curves.
+ * SPDX-License-Identifier: GPL-2.0-or-later */
+#include "io/file.h"
+#include "scene/page.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+void scene_table_free(scene_table *t) {
+  free(t->text);
+  free(t->cell);
+  free(t->name);
+}
+
+/* Cuts a line at its commas; returns how many parts there are, of which the first `max` are stored. */
+static int cut(char *line, char **part, int max) {
+  int n = 0;
+  for (char *p = line; p; n++) {
+    char *comma = strchr(p, ',');
+    if (comma) *comma = 0;
+    if (n < max) part[n] = p;
+    p = comma ? comma + 1 : NULL;
+  }
+  return n;
+}
+
+static int count(const char *text, char c) {
+  int n = 0;
+  for (; *text; text++) n += *text == c;
+  return n;
+}
+
+static gh_status read_rows(gh_context *ctx, const char *path, scene_table *t) {
+  size_t length = strlen(t->text);
+  if (length == 0 || t->text[length - 1] != '\n')
+    return gh_fail(ctx, GH_INPUT, "%s: the last line is cut off", path);
+  int lines = count(t->text, '\n');
+  char *line = t->text, *end = strchr(line, '\n');
+  *end = 0;
+  t->ncols = count(line, ',') + 1;
+  size_t cols = (size_t)t->ncols;
+  GH_TRY(gh_alloc(ctx, cols, sizeof *t->name, &t->name));
+  GH_TRY(gh_alloc(ctx, cols * (size_t)lines, sizeof *t->cell, &t->cell));
+  cut(line, t->name, t->ncols);
+  for (int k = 1; k < lines; k++) {
+    line = end + 1;
+    end = strchr(line, '\n');
+    *end = 0;
+    int n = cut(line, t->cell + cols * (size_t)t->nrows, t->ncols);
+    if (n != t->ncols)
+      return gh_fail(ctx, GH_INPUT, "%s:%d: has %d fields, the header has %d", path, k + 1, n, t->ncols);
+    t->nrows++;
+  }
+  return GH_OK;
+}
+
+gh_status scene_table_read(gh_context *ctx, const char *folder, const char *file, scene_table *t) {
+  *t = (scene_table){0};
+  char *path = gh_path_join(folder, file);
+  if (!path) return gh_fail(ctx, GH_MEMORY, "no memory for a path");
+  gh_status status = gh_file_text(ctx, path, &t->text);
+  if (status == GH_OK) status = read_rows(ctx, path, t);
+  if (status == GH_OK && t->nrows == 0) status = gh_fail(ctx, GH_INPUT, "%s: holds no increment", path);
+  free(path);
+  return status;
+}
+
+int scene_table_column(const scene_table *t, const char *name) {
+  for (int k = 0; k < t->ncols; k++)
+    if (strcmp(t->name[k], name) == 0) return k;
+  return -1;
+}
+
+const char *scene_table_text(const scene_table *t, int row, int column) {
+  return column < 0 ? "" : t->cell[(size_t)row * (size_t)t->ncols + (size_t)column];
+}
+
+double scene_table_number(const scene_table *t, int row, int column) {
+  double value;
+  return gh_parse_number(scene_table_text(t, row, column), &value) ? value : NAN;
+}
+
+/* The settlement of the first footing and the force on it, where there is one and nothing is driven. */
+static bool choose_footing(const scene_table *h, const char *unit, const char *force_unit, scene_curve *c) {
+  static const char key[] = "footing_uy_";
+  char name[96];
+  for (int k = 0; k < h->ncols; k++) {
+    if (strncmp(h->name[k], key, strlen(key)) != 0) continue;
+    c->x = k;
+    snprintf(name, sizeof name, "footing_fy_%.70s", h->name[k] + strlen(key));
+    c->force = scene_table_column(h, name);
+    c->sign = -1;
+    snprintf(c->x_label, sizeof c->x_label, "settlement of the footing%s", unit);
+    snprintf(c->force_label, sizeof c->force_label, "force on the footing in y%s", force_unit);
+    return true;
+  }
+  return false;
+}
+
+gh_status scene_curve_choose(gh_context *ctx, const scene_table *h, const scene_labels *l, scene_curve *c) {
+  char name[128], unit[80] = "", force_unit[80] = "";
+  if (*l->length) snprintf(unit, sizeof unit, " (%s)", l->length);
+  if (*l->force) snprintf(force_unit, sizeof force_unit, " (%s)", l->force);
+  snprintf(name, sizeof name, "u%c_%s", l->driven_direction, l->driven_set);
+  c->x = *l->driven_set ? scene_table_column(h, name) : -1;
+  c->driven = c->x >= 0;
+  c->sign = c->driven && scene_table_number(h, h->nrows - 1, c->x) < 0 ? -1 : 1;
+  if (c->driven) {
+    snprintf(c->x_label, sizeof c->x_label, "displacement of %s in %s%c%s", l->driven_set,
+             c->sign < 0 ? "-" : "", l->driven_direction, unit);
+    snprintf(name, sizeof name, "%s_%c", l->driven_set, l->driven_direction);
+  } else if (choose_footing(h, unit, force_unit, c)) {
+    *name = 0;
+  } else {
+    c->x = scene_table_column(h, "time");
+    snprintf(c->x_label, sizeof c->x_label, "load steps");
+    snprintf(name, sizeof name, "bottom_y");
+  }
+  if (*name) {
+    c->force = scene_table_column(h, name);
+    snprintf(c->force_label, sizeof c->force_label, "support force on %.*s in %c%s", (int)strlen(name) - 2,
+             name, name[strlen(name) - 1], force_unit);
+  }
+  c->dilatancy = scene_table_column(h, "dilatancy");
+  if (c->x < 0 || c->dilatancy < 0)
+    return gh_fail(ctx, GH_INPUT, "history.csv lacks the columns to draw (time, dilatancy)");
+  /* the row before the driven set first moves */
+  for (int k = 1; c->driven && k < h->nrows; k++) {
+    double now = scene_table_number(h, k, c->x), before = scene_table_number(h, k - 1, c->x);
+    if (isfinite(now) && isfinite(before) && now != before) break;
+    c->first = k < h->nrows - 1 ? k : 0;
+  }
+  return GH_OK;
+}
