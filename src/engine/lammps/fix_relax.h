@@ -37,7 +37,8 @@ public:
   /* From now on the fix does nothing in a step unless relax_next() was called, and the cell may change
    * between steps. Before the first run, which sets LAMMPS up; all that follows is advance(). */
   void drive(bool periodic);
-  /* One time step as LAMMPS's run_style verlet makes it, without a command to be parsed and without output. */
+  /* One time step as LAMMPS's run_style verlet makes it, without a command to be parsed and without output.
+   */
   void advance();
   /* The box becomes [0, lx] x [0, ly] with the tilt xy; the lists are made anew in the next step. */
   void set_cell(double lx, double ly, double xy);

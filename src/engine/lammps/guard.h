@@ -39,8 +39,8 @@ gh_status gh_lmp_fix_vector(gh_context *ctx, void *lmp, const char *id, int comp
 /* ---- driving a fix granhom/relax with `inner yes` ---- */
 
 /* Takes it over, before the first run: from now on nothing moves in a step unless gh_lmp_relax says so, and
- * the cell may change between steps. A cluster's box (periodic false) follows its grains. Gives the bit of the
- * fix's group in "mask". */
+ * the cell may change between steps. A cluster's box (periodic false) follows its grains. Gives the bit of
+ * the fix's group in "mask". */
 gh_status gh_lmp_drive(gh_context *ctx, void *lmp, const char *id, bool periodic, int *group_bit);
 /* The box becomes [0, t0] x [0, t3] with tilt t1 (t2 is 0); the neighbour list is made anew in the next
  * step. */
