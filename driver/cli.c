@@ -1,8 +1,7 @@
-/* What the subcommands share: context with log and progress on standard error, MPI.
+/* What the subcommands share: context with log and progress on standard error.
  * SPDX-License-Identifier: GPL-2.0-or-later */
 #include "cli.h"
 
-#include <mpi.h>
 #include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
@@ -66,14 +65,6 @@ gh_context *cli_open(void) {
   return ctx;
 }
 
-int cli_rank(void) {
-  int begun = 0, done = 0, rank = 0;
-  MPI_Initialized(&begun);
-  MPI_Finalized(&done);
-  if (begun && !done) MPI_Comm_rank(MPI_COMM_WORLD, &rank);
-  return rank;
-}
-
 int cli_close(gh_context *ctx, gh_status s) {
   clear_line();
   if (s != GH_OK && cli_rank() == 0) {
@@ -93,33 +84,4 @@ int cli_usage(const cli_command *command, const char *format, ...) {
   fprintf(stderr, "\nTry `granhom help %s`.\n", command->name);
   va_end(args);
   return 2;
-}
-
-static void finalize(void) {
-  int done = 0;
-  MPI_Finalized(&done);
-  if (!done) MPI_Finalize();
-}
-
-/* Started by hand and not by mpirun or a batch system: Open MPI then needs no helper process, which takes
- * time and memory. */
-static void start_alone(void) {
-  static const char *const launched[] = {"OMPI_COMM_WORLD_SIZE", "PMIX_RANK", "PMI_RANK", "PMI_SIZE"};
-  for (size_t k = 0; k < sizeof launched / sizeof *launched; k++)
-    if (getenv(launched[k])) return;
-  setenv("OMPI_MCA_ess_singleton_isolated", "1", 0);
-}
-
-gh_status cli_mpi(gh_context *ctx, bool single) {
-  int begun = 0, ranks = 1;
-  MPI_Initialized(&begun);
-  if (!begun) {
-    start_alone();
-    if (MPI_Init(NULL, NULL) != MPI_SUCCESS) return gh_fail(ctx, GH_SYSTEM, "MPI cannot be started");
-    atexit(finalize);
-  }
-  MPI_Comm_size(MPI_COMM_WORLD, &ranks);
-  if (single && ranks > 1)
-    return gh_fail(ctx, GH_INPUT, "this command runs on one rank, and it was started on %d", ranks);
-  return GH_OK;
 }

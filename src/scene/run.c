@@ -107,6 +107,7 @@ static void sum_up(run *r) {
 
 /* A checkpoint of the increment that is complete now; to disk when it is due. */
 static gh_status keep(run *r) {
+  if (!gh_h5_available()) return GH_OK;
   double begin = gh_seconds();
   int every = r->options && r->options->checkpoint_every > 0 ? r->options->checkpoint_every : 1;
   scene_position here = {
@@ -265,8 +266,21 @@ static gh_status make_farm(run *r) {
   return gh_farm_create_shared(r->ctx, &setup, &r->farm);
 }
 
+static gh_status check_build(const run *r) {
+  if (gh_h5_available()) return GH_OK;
+  if (r->options && r->options->restart)
+    return gh_fail(r->ctx, GH_INPUT,
+                   "--restart needs a checkpoint, and this granhom was built without HDF5 (make HDF5=0)");
+  gh_log(
+      r->ctx, GH_LEVEL_WARNING,
+      "built without HDF5 (make HDF5=0): no fields (results.h5, rves.h5, traces.h5 and their XDMF files) and "
+      "no checkpoints are written; history.csv, convergence.csv, timing.csv, run.json and dumps are");
+  return GH_OK;
+}
+
 static gh_status open_run(run *r, const char *folder) {
   const gh_scene *s = r->scene;
+  GH_TRY(check_build(r));
   GH_TRY(scene_results_check(r->ctx, folder));
   r->sum.points = 4 * s->mesh->nelements;
   GH_TRY(gh_alloc(r->ctx, (size_t)s->nsteps + 1, sizeof *r->begin_u, &r->begin_u));

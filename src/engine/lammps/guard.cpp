@@ -356,6 +356,7 @@ gh_status gh_lmp_program(gh_context *ctx, int argc, char **argv, int *exit_statu
   void *lmp = nullptr;
   *exit_status = 0;
   *alone = false;
+  GH_TRY(start_mpi(ctx));
   gh_status status = guarded(ctx, "script", [&] {
     try {
       lmp = lammps_open(argc, argv, MPI_COMM_WORLD, nullptr);
