@@ -64,6 +64,7 @@ typedef struct gh_run_options {
 typedef struct gh_run_summary {
   int steps, increments;                 /* done, without the start */
   int iterations, substeps, cuts, jumps; /* of the whole run */
+  int at_once;                           /* planned increments that the next one takes */
   int points, unjammed;                  /* material points; how many of them carry nothing at the end */
   double min_acoustic;                   /* smallest eigenvalue of any acoustic tensor at the end */
   gh_rve_cost cost;                      /* of the material points, summed */

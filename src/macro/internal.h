@@ -128,6 +128,9 @@ double gh_system_diagonal(const gh_system *system);
 /* Solves K_ff x_f = b_f; entries of fixed degrees of freedom are not touched. GH_DIVERGED: K_ff is singular.
  */
 gh_status gh_system_solve(gh_system *system, const double *b, double *x);
+/* The same with the factor of the last gh_system_solve since gh_system_constrain, whatever was added since.
+ */
+gh_status gh_system_again(gh_system *system, const double *b, double *x);
 /* The same with the upper triangle of K_ff made positive definite by a multiple of the unit matrix where it
  * is not: x is a direction in which the energy falls. */
 gh_status gh_system_descend(gh_system *system, const double *b, double *x);
@@ -182,14 +185,17 @@ struct gh_macro {
   double *trial;        /* of `next` */
   double *du;
   gh_jump jump;
-  bool started; /* the stress at u = 0 is known */
-  bool solved;  /* an increment was begun */
+  double *elastic; /* npoints x 16: tangents at u = 0 before the first increment; NULL when not in use */
+  bool started;    /* the stress at u = 0 is known */
+  bool solved;     /* an increment was begun */
   double begin, micro_seconds;
 };
 
 /* F from u, P and A from the farm, internal forces. Catches what is not finite and det F <= 0 (GH_DIVERGED).
  */
 gh_status gh_macro_evaluate(gh_macro *m, gh_state *s);
+/* The same with the tangents of another state, which stand in for those that are not asked for. */
+gh_status gh_macro_evaluate_stress(gh_macro *m, gh_state *s, const gh_state *tangents);
 /* Evaluates u = 0 once. */
 gh_status gh_macro_start(gh_macro *m);
 void gh_state_copy(const gh_macro *m, const gh_state *from, gh_state *to);

@@ -83,6 +83,7 @@ struct gh_scene {
   bool no_share;
   int resident; /* RVEs kept ready on a rank; 0: by memory */
   gh_macro_options solver;
+  int at_once; /* planned increments that one may take; 1: as planned */
   scene_start start;
   int start_line;
   double confinement;

@@ -65,6 +65,8 @@ static void add_options(cJSON *root, const gh_scene *s, const gh_farm *farm) {
   number(solver, "max_iterations", s->solver.max_iterations);
   number(solver, "cut_steps", s->solver.cut_steps);
   truth(solver, "line_search", s->solver.line_search);
+  text(solver, "tangent", gh_tangent_name(s->solver.tangent));
+  number(solver, "at_once", s->at_once);
   truth(solver, "pass_jumps", s->solver.pass_jumps);
   text(start, "kind", starts[s->start]);
   number(start, "confinement", s->start == SCENE_START_CONFINEMENT ? s->confinement : NAN);
