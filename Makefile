@@ -81,7 +81,7 @@ $(BUILD)/tests/%: $(BUILD)/tests/%.c.o $(LIB)
 
 # tests/unit/test_lean.c counts what granhom's own objects ask for.
 COUNTED := malloc calloc realloc _Znwm _ZN9LAMMPS_NS6Memory7smallocElPKc _ZN9LAMMPS_NS6Memory8sreallocEPvlPKc lammps_open lammps_command \
-  gh_engine_begin gh_engine_set gh_engine_relax gh_rve_find_rattlers cholmod_analyze cholmod_factorize klu_analyze klu_factor umfpack_di_numeric
+  gh_engine_begin gh_engine_set gh_engine_relax gh_rve_find_rattlers cholmod_analyze cholmod_factorize klu_analyze klu_factor umfpack_di_numeric gh_rve_tangent gh_rve_tangent_friction
 $(BUILD)/tests/unit/test_lean: LDFLAGS += $(COUNTED:%=-Wl,--wrap=%)
 
 export MPI HDF5

@@ -16,7 +16,9 @@
   X(command)                                                                                                 \
   X(run)                                                                                                     \
   X(begin)                                                                                                   \
-  X(set) X(relax) X(rattlers) X(analyses) X(factorisations) X(lu_analyses) X(lu_factorisations) X(umfpack)
+  X(set)                                                                                                     \
+  X(relax) X(rattlers) X(analyses) X(factorisations) X(lu_analyses) X(lu_factorisations) X(umfpack)          \
+      X(tangents)
 
 typedef struct counts {
 #define FIELD(name) long name;
@@ -62,6 +64,9 @@ COUNTED(int, umfpack_di_numeric,
          double *info),
         (p, i, x, symbolic, numeric, c, info), now.umfpack++)
 
+COUNTED(gh_status, gh_rve_tangent, (gh_rve * r, double *A), (r, A), now.tangents++)
+COUNTED(gh_status, gh_rve_tangent_friction, (gh_rve * r, double *A), (r, A), now.tangents++)
+
 static counts since(const counts *before) {
   counts d;
 #define MINUS(name) d.name = now.name - before->name;
@@ -88,6 +93,7 @@ typedef struct block {
   gh_loads *loads;
   gh_macro *macro;
   counts first, iterations; /* at iteration 0; in all iterations of the last increment */
+  counts whole;             /* in all of it */
   gh_macro_report report;
 } block;
 
@@ -106,8 +112,10 @@ static gh_rve_options law(gh_boundary boundary, gh_engine_kind engine, bool fric
   return o;
 }
 
-static void make_block(gh_context *ctx, const gh_rve_options *o, bool share, block *b) {
+static void make_block(gh_context *ctx, const gh_rve_options *o, bool share, gh_tangent tangent, block *b) {
   gh_macro_options solver = gh_macro_defaults();
+  solver.tangent = tangent;
+  solver.max_iterations = 100;
   *b = (block){0};
   b->packing = case_packing(ctx, "p50");
   OK(gh_mesh_rectangle(ctx, (const double[]){0, 0}, (const double[]){2, 2}, (const int[]){2, 2}, &b->mesh));
@@ -127,7 +135,9 @@ static void solve(gh_context *ctx, block *b, int k) {
   for (int i = 0; i < 2; i++) OK(gh_loads_displace(b->loads, bottom, i, 0));
   OK(gh_loads_displace(b->loads, top, 0, 2e-4 * k));
   OK(gh_loads_displace(b->loads, top, 1, -2e-4 * k));
+  counts before = now;
   OK(gh_macro_solve(b->macro, b->loads, &b->report));
+  b->whole = since(&before);
 }
 
 static void drop_block(block *b) {
@@ -149,7 +159,7 @@ static void steady(gh_context *ctx, gh_boundary boundary, gh_engine_kind engine,
   gh_rve_options o = law(boundary, engine, friction);
   snprintf(name, sizeof name, "%s %s%s", engine_names[engine], gh_boundary_name(boundary),
            friction ? " friction" : "");
-  make_block(ctx, &o, false, &b);
+  make_block(ctx, &o, false, GH_TANGENT_ALGORITHMIC, &b);
   for (int n = 0; n < ALL; n++) {
     solve(ctx, &b, round[n % PER_ROUND]);
     const counts *d = &b.iterations;
@@ -185,7 +195,7 @@ static void points_open_once(void **state) {
     block b;
     gh_rve_options o = law(GH_TAYLOR_CELL, GH_ENGINE_LAMMPS, false);
     counts before = now;
-    make_block(ctx, &o, share, &b);
+    make_block(ctx, &o, share, GH_TANGENT_ALGORITHMIC, &b);
     counts made = since(&before);
     assert_int_equal(made.open, 1 + (share ? 1 : 16)); /* one to see that the options will do */
     solve(ctx, &b, 1);
@@ -195,6 +205,31 @@ static void points_open_once(void **state) {
     assert_int_equal(made.open, 17);
     drop_block(&b);
   }
+}
+
+/* Tangents that stay behind cost one factorisation of the whole body for all iterations of an increment, and
+ * one tangent of each packing, at the end. */
+static void one_factor_for_an_increment(void **state) {
+  gh_context *ctx = *state;
+  for (int t = GH_TANGENT_FROZEN; t <= GH_TANGENT_ELASTIC; t++)
+    for (int friction = 0; friction < 2; friction++) {
+      block b;
+      gh_rve_options o = law(GH_TAYLOR_CELL, GH_ENGINE_NATIVE, friction);
+      o.law.fixed_rotations = friction;
+      make_block(ctx, &o, false, (gh_tangent)t, &b);
+      for (int k = 1; k <= 3; k++) {
+        solve(ctx, &b, k);
+        counts d = b.iterations;
+        tell("frozen or elastic", &d);
+        assert_int_equal(b.report.cuts, 0);
+        assert_true(b.report.iterations >= 2);
+        assert_int_equal(friction ? d.umfpack : d.factorisations, 1);
+        assert_int_equal(d.lu_factorisations, 0);
+        assert_int_equal(d.tangents, 0);
+        assert_int_equal(b.whole.tangents, 16);
+      }
+      drop_block(&b);
+    }
 }
 
 /* One evaluation from the packing as read. */
@@ -284,8 +319,12 @@ static void stress_only(void **state) {
 }
 
 int main(void) {
-  const struct CMUnitTest tests[] = {
-      TEST(iterations_ask_for_nothing), TEST(points_open_once), TEST(frictionless),
-      TEST(history_costs_its_contacts), TEST(taylor),           TEST(stress_only)};
+  const struct CMUnitTest tests[] = {TEST(iterations_ask_for_nothing),
+                                     TEST(points_open_once),
+                                     TEST(one_factor_for_an_increment),
+                                     TEST(frictionless),
+                                     TEST(history_costs_its_contacts),
+                                     TEST(taylor),
+                                     TEST(stress_only)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
