@@ -216,18 +216,20 @@ static void one_factor_for_an_increment(void **state) {
       block b;
       gh_rve_options o = law(GH_TAYLOR_CELL, GH_ENGINE_NATIVE, friction);
       o.law.fixed_rotations = friction;
+      int all = 0;
       make_block(ctx, &o, false, (gh_tangent)t, &b);
       for (int k = 1; k <= 3; k++) {
         solve(ctx, &b, k);
         counts d = b.iterations;
         tell("frozen or elastic", &d);
         assert_int_equal(b.report.cuts, 0);
-        assert_true(b.report.iterations >= 2);
+        all += b.report.iterations;
         assert_int_equal(friction ? d.umfpack : d.factorisations, 1);
         assert_int_equal(d.lu_factorisations, 0);
         assert_int_equal(d.tangents, 0);
         assert_int_equal(b.whole.tangents, 16);
       }
+      assert_true(all > 3);
       drop_block(&b);
     }
 }
