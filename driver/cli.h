@@ -28,6 +28,8 @@ int cli_usage(const cli_command *command, const char *format, ...) GH_PRINTF(2, 
 gh_status cli_mpi(gh_context *ctx, bool single);
 /* MPI_Comm * of all ranks, for the library; NULL in a build without MPI. */
 const void *cli_world(void);
+/* How many they are; 0 in a build without MPI. */
+int cli_ranks(void);
 /* The value that rank 0 has, on all ranks. */
 int cli_share(int value);
 /* Ends all ranks. */

@@ -90,6 +90,7 @@ static gh_status work(gh_context *ctx, const run_arguments *a) {
   if (a->engine)
     gh_scene_set_engine(scene, strcmp(a->engine, "native") == 0 ? GH_ENGINE_NATIVE : GH_ENGINE_LAMMPS);
   gh_scene_set_sharing(scene, !a->no_share);
+  gh_scene_set_ranks(scene, cli_ranks(), a->no_balance);
   gh_status status;
   if (a->explain) {
     status = explain(ctx, scene);

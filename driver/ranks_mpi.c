@@ -48,6 +48,12 @@ const void *cli_world(void) {
   return &world;
 }
 
+int cli_ranks(void) {
+  int ranks = 1;
+  MPI_Comm_size(MPI_COMM_WORLD, &ranks);
+  return ranks;
+}
+
 int cli_share(int value) {
   MPI_Bcast(&value, 1, MPI_INT, 0, MPI_COMM_WORLD);
   return value;

@@ -382,6 +382,7 @@ gh_status gh_scene_read(gh_context *ctx, const char *path, gh_scene **scene) {
   s->micro.boundary = GH_PERIODIC;
   s->micro.engine = GH_ENGINE_LAMMPS;
   s->solver = gh_macro_defaults();
+  s->ranks = 1;
   GH_TRY_OR(scene_copy_text(ctx, path, &s->path), done);
   folder = gh_path_folder(path);
   if (!folder) {
@@ -435,4 +436,9 @@ void gh_scene_set_engine(gh_scene *scene, gh_engine_kind engine) {
 
 void gh_scene_set_sharing(gh_scene *scene, bool share) {
   scene->no_share = !share;
+}
+
+void gh_scene_set_ranks(gh_scene *scene, int ranks, bool no_balance) {
+  scene->ranks = ranks;
+  scene->no_balance = no_balance;
 }

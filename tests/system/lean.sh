@@ -6,6 +6,7 @@ granhom=${BUILD:-build}/granhom
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 cases=$(pwd)/tests/data/cases
+export OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1
 failed=0
 say() { if [ "$1" = 0 ]; then echo "ok - $2"; else echo "not ok - $2"; failed=1; fi; }
 
@@ -14,6 +15,102 @@ mesh: {rectangle: {size: [10, 10], elements: [2, 2]}}
 supports: [{edge: left, fix: x}, {edge: bottom, fix: y}]
 start: {confinement: 0.05}
 steps: [{name: press, increments: 2, displace: [{edge: top, y: -0.1}]}]"
+
+# ---- --explain ----
+
+# explain NAME 'lines of the scene' 'words that must be said' ... ; '! words' must not be said
+explain() {
+  name=$1
+  printf '%s\n%s\n' "$head" "$2" >"$work/e.yaml"
+  shift 2
+  "$granhom" run "$work/e.yaml" --explain $options >"$work/said" 2>"$work/err"
+  code=$?
+  for words; do
+    case $words in
+    '! '*) ! grep -q -e "${words#! }" "$work/said" || { code=1; echo "# said: ${words#! }"; } ;;
+    *) grep -q -e "$words" "$work/said" || { code=1; echo "# not said: $words"; } ;;
+    esac
+  done
+  say $code "--explain: $name"
+}
+smooth='contact: {normal_stiffness: 50}'
+rough='contact: {normal_stiffness: 50, friction_angle: 20}'
+options=
+explain 'frictionless, periodic' "$smooth" 'periodic: the cell follows F, all its grains are relaxed' '; frictionless' \
+  'relaxation        central differences, then Newton' 'left out *grain rotations, tangential forces and the history of contacts (frictionless)$' \
+  'symmetric (no friction, dead loads): CHOLMOD' 'consistent tangent' 'ranks             one: nothing is sent' '! factorisation of the grains' \
+  'grains and contacts of all points' '! dumps' '! footing' '! automatic' 'step 1            press: 2 increments'
+explain 'friction' "$rough" 'Coulomb friction 0.36397 (20 degrees)' 'unsymmetric (friction): UMFPACK' \
+  'left out *hardening of contacts that have opened$' '! history of contacts'
+explain 'friction without rotations, Taylor' "contact: {normal_stiffness: 50, friction_angle: 20, rotations: fixed}
+micro: {boundary: taylor}" 'left out *grain rotations; relaxation, factorisation of the grains. stiffness; hardening' '! central differences' \
+  'lammps, for the contacts only'
+explain 'friction, Taylor' "$rough
+micro: {boundary: taylor-cell, engine: native}" 'native, for contacts and rotations' 'left out *motion of the grains but their rotations' 'central differences'
+explain 'Taylor' "$smooth
+micro: {boundary: taylor}" 'no relaxation, the tangent is a sum over contacts' "relaxation, factorisation of the grains' stiffness" '! central differences'
+explain 'records and dumps' "$smooth
+results: {rves: [0, 3], dump: [1]}" 'grains and contacts of 2 points;' 'LAMMPS dumps of 1 point$'
+explain 'frozen tangent, automatic increments' "$smooth
+solver: {tangent: frozen, increments: automatic, at_once: 8}" 'tangent of the last equilibrium, factorised once' 'at most 200 iterations' \
+  'left out .*tangents of the packings but at the end of an increment' 'automatic: up to 8 planned ones at once'
+explain 'elastic tangent' "$smooth
+solver: {tangent: elastic, max_iterations: 50}" 'tangent of the packings as read' 'at most 50 iterations'
+explain 'symmetrised tangent' "$rough
+solver: {tangent: symmetrised}" 'made symmetric: CHOLMOD' '! unsymmetric'
+head_before=$head
+head=$(printf '%s' "$head" | sed 's/^steps:.*/steps: [{name: press, increments: 2, pressure: [{edge: right, to: 0.1, follow: true}], footing: [{edge: top, force: [0, -0.1]}]}]/; s/^supports:.*/supports: [{edge: bottom, fix: both}]/')
+explain 'a footing, pressure that follows' "$rough" 'unsymmetric (friction, pressure that follows the edge): UMFPACK' 'three unknowns for each footing' "rigid footing on 'top'"
+head=$(printf '%s' "$head_before" | sed "s|^packing:.*|packing: [$cases/packings/p50.data, $cases/packings/p20.data]|")
+options=--no-share
+explain 'several packings, not shared' "$smooth" '16, of 2 packings in turn' '8 of 50 grains' '8 of 20 grains' 'each of the 16 points is computed'
+options=
+head=$head_before
+printf '%s\n%s\n' "$head" "$smooth" >"$work/e.yaml"
+mpirun --oversubscribe -n 2 "$granhom" run "$work/e.yaml" --explain >"$work/said" 2>&1
+grep -q 'ranks *2: rank 0 assembles and solves, all of them compute RVEs, which move' "$work/said"; say $? '--explain: two ranks'
+
+# ---- keys of the solver ----
+
+wrong() { # lines, words
+  printf '%s\n%s\n%s\n' "$head" "$smooth" "$1" >"$work/e.yaml"
+  "$granhom" run "$work/e.yaml" -o "$work/none" >/dev/null 2>"$work/err"
+  [ $? = 2 ] && grep -q "e.yaml:7: $2" "$work/err" && [ ! -e "$work/none" ]
+  say $? "refused: $1"
+}
+wrong 'solver: {tangent: secant}' "tangent 'secant' is none of algorithmic, symmetrised, frozen, elastic"
+wrong 'solver: {increments: few}' "increments 'few' is none of planned, automatic"
+wrong 'solver: {at_once: 4}' 'at_once needs `increments: automatic`'
+wrong 'solver: {increments: automatic, at_once: 0}' 'at_once'
+
+# ---- automatic increments: the end of each step is that of the plan; Taylor without friction knows no path ----
+
+long=$(printf '%s' "$head" | sed 's/^steps:.*/steps: [{name: press, increments: 23, displace: [{edge: top, y: -0.1}]}, {name: shear, increments: 9, displace: [{edge: top, x: 0.05, y: -0.1}]}]/')
+for kind in planned automatic; do
+  printf '%s\n%s\nmicro: {boundary: taylor-cell}\nsolver: {tolerance: 1.0e-11, increments: %s}\n' "$long" "$smooth" $kind >"$work/$kind.yaml"
+  "$granhom" run "$work/$kind.yaml" -o "$work/$kind" >/dev/null 2>"$work/err"
+  say $? "increments $kind"
+done
+cat >"$work/compare.py" <<'E'
+import csv, sys
+plan, auto = [[r for r in csv.DictReader(open(f))] for f in sys.argv[1:]]
+assert len(plan) == 1 + 23 + 9 and len(auto) <= 16, (len(plan), len(auto))
+at = {(r["name"], r["increment"]): r for r in plan}
+taken = [int(b["increment"]) - int(a["increment"]) for a, b in zip(auto, auto[1:]) if a["name"] == b["name"]]
+assert max(taken) >= 8, taken
+assert auto[-1]["increment"] == "9" and any(r["name"] == "press" and r["increment"] == "23" for r in auto)
+for column in ("bottom_y", "left_x", "top_y", "dilatancy", "uy_top"):
+    scale = max(abs(float(r[column])) for r in plan)
+    for r in auto:
+        p = at[r["name"], r["increment"]]
+        assert abs(float(r[column]) - float(p[column])) <= 1e-8 * scale, (column, r[column], p[column])
+E
+/usr/bin/python3 "$work/compare.py" "$work/planned/history.csv" "$work/automatic/history.csv"
+say $? 'automatic ones are fewer, take up to 8 and more at once, and pass through the same states'
+cp -r "$work/automatic" "$work/again"
+timeout -s INT 60 "$granhom" run "$work/automatic.yaml" -o "$work/again" --restart >/dev/null 2>&1
+say $? 'a finished run with automatic increments goes on to nothing'
+cmp -s "$work/automatic/history.csv" "$work/again/history.csv"; say $? 'and changes no line'
 
 # ---- a build without MPI and HDF5 ----
 
