@@ -2,7 +2,7 @@
 #   make          builds build/granhom
 #   make demo     installs what is missing, builds, runs a block of sand and draws it
 #   make check    installs what is missing, builds, runs all tests
-#   make bench    times of one RVE update;   make asan / make valgrind   the tests under the checkers
+#   make bench    times of one RVE update and of the farm;   make asan / make valgrind   the tests under the checkers
 #   make format   clang-format over all sources
 #   make MPI=0 HDF5=0   without ranks, without HDF5 files (docs/user-guide.md); the same words again with make check, install ...
 #   make install   PREFIX=/usr/local DESTDIR=   program, library, headers, granhom.pc, manual page;   make uninstall

@@ -67,6 +67,8 @@ class Run:
         if not self.present:
             return
         self.steps = [{k: v if k == "name" else float(v) for k, v in row.items()} for row in table(f"{folder}/history.csv")]
+        for step, times in zip(self.steps, table(f"{folder}/timing.csv")):  # one row per increment, as in history.csv
+            step |= {k: float(v) for k, v in times.items()}
         self.attempts = {}  # increment -> attempts, each a list of rows with rising iterations
         for row in table(f"{folder}/convergence.csv"):
             row = {k: float(v) for k, v in row.items()}

@@ -27,6 +27,8 @@ class Run:
         if not self.present:
             return
         self.steps = [{k: v if k == "name" else float(v) for k, v in row.items()} for row in rows_of(f"{folder}/history.csv")]
+        for step, times in zip(self.steps, rows_of(f"{folder}/timing.csv")):  # one row per increment, as in history.csv
+            step |= {k: float(v) for k, v in times.items()}
         self.attempts = {}  # increment -> attempts, each a list of residuals over the first
         last = {}
         for row in rows_of(f"{folder}/convergence.csv"):

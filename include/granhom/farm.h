@@ -77,6 +77,8 @@ typedef struct gh_farm_counts {
   int ranks, states;                       /* now: ranks; different converged states */
   int residents;                           /* RVEs kept ready on this rank, of about `bytes` each */
   double bytes;
+  double busy, longest; /* processor seconds of all evaluations, and of the busiest rank in each: busy over
+                           ranks times longest is the efficiency of the distribution */
 } gh_farm_counts;
 void gh_farm_count(const gh_farm *farm, gh_farm_counts *counts);
 

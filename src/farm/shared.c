@@ -234,6 +234,20 @@ static gh_status run_jobs(farm_shared *s, unsigned want, failure *f) {
   return GH_OK;
 }
 
+/* How evenly the ranks were busy. */
+static void count_time(farm_shared *s) {
+  farm_books *b = &s->books;
+  double longest = 0;
+  for (int r = 0; r < s->ranks; r++) {
+    double sum = 0;
+    for (int j = 0; j < b->njobs; j++)
+      if (s->done[j] && b->jobs[j].rank == r) sum += s->answers[j].seconds;
+    b->counts.busy += sum;
+    longest = fmax(longest, sum);
+  }
+  b->counts.longest += longest;
+}
+
 /* Answers of all points before `end`, to those who asked. */
 static void spread(farm_shared *s, int end, double *P, double *A) {
   farm_books *b = &s->books;
@@ -258,6 +272,7 @@ gh_status farm_shared_evaluate(farm_shared *s, const double *F, unsigned want, d
   GH_TRY(farm_books_plan(&s->books, F));
   GH_TRY(run_jobs(s, want, &f));
   farm_books_settle(&s->books);
+  count_time(s);
   spread(s, f.point, P, want & GH_WANT_TANGENT ? A : NULL);
   if (f.point == INT_MAX) return s->books.trial = true, GH_OK;
   gh_fail(s->ctx, f.status, "%s", f.words);

@@ -59,6 +59,8 @@ static gh_status check_options(gh_context *ctx, int n, const double *diameter, c
 
 static gh_status check_grains(gh_context *ctx, int n, const double *diameter) {
   if (n < 1) return gh_fail(ctx, GH_INPUT, "packing: %d grains; at least one is needed", n);
+  if (n > MAX_GRAINS)
+    return gh_fail(ctx, GH_INPUT, "packing: %d grains are too many, at most %d can be grown", n, MAX_GRAINS);
   for (int i = 0; i < n; i++)
     if (!(diameter[i] > 0) || !isfinite(diameter[i]))
       return gh_fail(ctx, GH_INPUT, "packing: grain %d has the diameter %g; it must be positive", i + 1,

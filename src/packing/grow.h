@@ -29,7 +29,8 @@ enum {
   SPAN = 2 * FAR + 1,
   IMAGES = DIM == 2 ? SPAN * SPAN : SPAN * SPAN * SPAN,
   HERE = IMAGES / 2, /* the image that is the grain itself; the opposite of image m is IMAGES - 1 - m */
-  MAX_LEVELS = 32
+  MAX_LEVELS = 32,
+  MAX_GRAINS = 1 << 25 /* neighbour.back */
 };
 /* What stands for the partner in events that have none. */
 enum { LEAVE = -1, CHECK = -2 };
@@ -40,12 +41,14 @@ typedef struct grain { /* one cache line: an event reads it for each neighbour *
 } grain;
 
 typedef struct event {
+  double when;        /* INFINITY while it is being sought */
   int partner, image; /* partner's image that is met */
 } event;
 
-typedef struct neighbour {
-  int j, image; /* grain j shifted by this image */
-  int back;     /* where j's list has the mirrored entry */
+typedef struct neighbour { /* small, since large packings are bound by the memory's speed */
+  int j;
+  unsigned image : 7; /* grain j shifted by this image */
+  unsigned back : 25; /* where j's list has the mirrored entry */
 } neighbour;
 
 typedef struct list {
@@ -75,12 +78,11 @@ typedef struct growth {
   grain *grain;
   list *list;
   hull *hull;
-  neighbour *entries; /* the first of all lists */
   event *event;
-  double *when; /* time of the event; INFINITY while it is being sought */
   heap queue;
   level level[MAX_LEVELS];
   int *in_level, *in_cell, *next, *previous; /* cell of each home, as linked lists */
+  void *memory; /* all these arrays but the grids, and the first entries of all lists */
   box box;
   gh_collision collision;
   double s0, rate, now;

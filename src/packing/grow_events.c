@@ -25,10 +25,30 @@ static double leaving(const growth *g, int i) {
   return root > 0 && root < full ? root : full; /* v <= 0 with u <= 0: no root, or one behind */
 }
 
+/* In large packings two events in sequence are far apart in memory, and waiting for it takes longer than the
+ * work. So what an event reads is fetched while its grain rises to the top of the queue. */
+static void foresee(growth *g) {
+  int *risen = g->queue.risen;
+  if (risen[2] >= 0) {
+    __builtin_prefetch(&g->list[risen[2]]);
+    __builtin_prefetch(&g->grain[risen[2]]);
+    __builtin_prefetch(&g->hull[risen[2]]);
+  }
+  if (risen[1] >= 0) {
+    const list *a = &g->list[risen[1]];
+    for (int k = 0; k < a->n; k += 8) __builtin_prefetch(&a->entry[k]);
+  }
+  if (risen[0] >= 0) {
+    const list *a = &g->list[risen[0]];
+    for (int k = 0; k < a->n; k++) __builtin_prefetch(&g->grain[a->entry[k].j]);
+  }
+  risen[0] = risen[1] = risen[2] = -1;
+}
+
 static void set(growth *g, int i, double t, int partner, int image) {
-  g->event[i] = (event){partner, image};
-  g->when[i] = t;
+  g->event[i] = (event){t, partner, image};
   heap_set(&g->queue, i, t);
+  foresee(g);
 }
 
 /* The earliest of: leave, the collision that is already entered, and a collision with a neighbour before that
@@ -38,14 +58,12 @@ static void predict(growth *g, int i) {
   const grain *p = &g->grain[i];
   list *a = &g->list[i];
   const event old = g->event[i];
-  event next = {LEAVE, HERE};
+  event next = {0, LEAVE, HERE};
   double now = g->now, s = g->s0 + g->rate * now, best = leaving(g, i);
-  if (old.partner >= 0 && g->when[i] - now < best) next = old, best = g->when[i] - now;
+  if (old.partner >= 0 && old.when - now < best) next = old, best = old.when - now;
   a->work += a->n;
-  /* in large packings neighbours are far apart in memory */
-  for (int k = 0; k < a->n; k++) __builtin_prefetch(&g->grain[a->entry[k].j]);
   for (int k = 0; k < a->n; k++) {
-    int j = a->entry[k].j, m = a->entry[k].image;
+    int j = a->entry[k].j, m = (int)a->entry[k].image;
     const grain *q = &g->grain[j];
     const double *shift = g->box.shift[m];
     double l[DIM], dv[DIM], late = now - q->t, sum = p->a + q->a;
@@ -56,7 +74,7 @@ static void predict(growth *g, int i) {
     approach ahead = approach_of(l, dv, sum * s, sum * g->rate);
     if (!meets_before(ahead, best)) continue;
     double t = meeting(ahead);
-    if (t < best && now + t < g->when[j]) best = t, next = (event){j, m};
+    if (t < best && now + t < g->event[j].when) best = t, next = (event){t, j, m};
   }
   if (old.partner >= 0 && old.partner != next.partner) g->event[old.partner].partner = CHECK;
   if (next.partner >= 0 && (next.partner != old.partner || next.image != old.image)) {
@@ -64,7 +82,7 @@ static void predict(growth *g, int i) {
     if (third >= 0 && third != i) g->event[third].partner = CHECK;
     set(g, j, now + best, i, IMAGES - 1 - next.image);
   }
-  set(g, i, next.partner >= 0 ? g->when[next.partner] : now + best, next.partner, next.image);
+  set(g, i, next.partner >= 0 ? g->event[next.partner].when : now + best, next.partner, next.image);
 }
 
 static void collide(growth *g, grain *p, grain *q, int image) {
@@ -86,10 +104,7 @@ static gh_status handle_collision(growth *g, int i) {
   for (int k = 0; k < 2; k++) advance(&g->grain[pair[k]], g->now);
   collide(g, &g->grain[pair[0]], &g->grain[pair[1]], image);
   g->collisions++;
-  for (int k = 0; k < 2; k++) {
-    g->event[pair[k]] = (event){CHECK, HERE};
-    g->when[pair[k]] = INFINITY;
-  }
+  for (int k = 0; k < 2; k++) g->event[pair[k]] = (event){INFINITY, CHECK, HERE};
   for (int k = 0; k < 2; k++) {
     const list *a = &g->list[pair[k]];
     if (a->work > TOO_MUCH * growth_list_cost(a)) GH_TRY(growth_list2(g, pair[k]));
@@ -101,7 +116,7 @@ static gh_status handle_collision(growth *g, int i) {
 gh_status growth_run2(growth *g, double end, double collisions) {
   while (g->collisions < collisions) {
     int i = g->queue.slot[0].i;
-    double t = g->when[i];
+    double t = g->event[i].when;
     if (!(t >= g->now))
       return gh_fail(g->ctx, GH_INTERNAL, "packing: an event of grain %d at %.17g lies before %.17g", i + 1,
                      t, g->now);
@@ -115,7 +130,7 @@ gh_status growth_run2(growth *g, double end, double collisions) {
       continue;
     }
     advance(&g->grain[i], t);
-    g->when[i] = INFINITY;
+    g->event[i].when = INFINITY;
     if (g->event[i].partner == LEAVE) {
       g->leaves++;
       GH_TRY(growth_list2(g, i));
@@ -145,8 +160,8 @@ gh_status growth_sync2(growth *g) {
     for (int k = 0; k < DIM; k++) p->v[k] *= scale;
     if (!gh_finite(p->x, DIM) || !gh_finite(p->v, DIM))
       return gh_fail(g->ctx, GH_INTERNAL, "packing: the place or velocity of grain %d is not finite", i + 1);
-    p->t = g->when[i] = 0;
-    g->event[i] = (event){CHECK, HERE};
+    p->t = 0;
+    g->event[i] = (event){0, CHECK, HERE};
     if (g->levels) l->reach = fmax(l->reach, g->hull[i].reach);
   }
   heap_level(&g->queue, 0);

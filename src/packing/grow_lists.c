@@ -1,12 +1,13 @@
 /* Growth: the cell, the grids of hulls and the lists of neighbours. SPDX-License-Identifier: GPL-2.0-or-later
  */
 #include "packing/grow.h"
+#include "packing/large.h"
 
 #include <stdlib.h>
 #include <string.h>
 
-enum { FIRST = DIM == 2 ? 12 : 24 }; /* entries that each list has room for from the start */
-static const double THIN = 0.003;    /* thinnest shell over the radius at volume fraction 1 */
+enum { FIRST = DIM == 2 ? 16 : 32, TOP = 3 }; /* entries that each list has room for from the start */
+static const double THIN = 0.003;             /* thinnest shell over the radius at volume fraction 1 */
 
 /* ---- the cell ---- */
 
@@ -75,7 +76,7 @@ static gh_status make_levels(growth *g) {
     size_t cells = 1;
     l->a_max = ldexp(a_max, -k);
     /* not much more cells than grains, however small these are */
-    double width = fmax(1.2 * l->a_max, pow(4.0 * count[k] + 1000, -1.0 / DIM));
+    double width = fmax(1.2 * l->a_max, pow(1.0 * count[k] + 1000, -1.0 / DIM));
     for (int d = 0; d < DIM; d++) {
       l->m[d] = (int)fmin(fmax(1, floor(g->box.height[d] / width)), 1 << 10);
       cells *= (size_t)l->m[d];
@@ -87,28 +88,41 @@ static gh_status make_levels(growth *g) {
   return GH_OK;
 }
 
+/* The next `bytes` of a block, from a cache line on; NULL when only their size is wanted. */
+static void *part(char *block, size_t *at, size_t bytes) {
+  void *p = block ? block + *at : NULL;
+  *at += (bytes + 63) / 64 * 64;
+  return p;
+}
+
+/* Places the arrays in a block; returns its size. */
+static size_t lay_out(growth *g, char *block, neighbour **entries) {
+  size_t n = (size_t)g->n, at = 0;
+  g->grain = part(block, &at, n * sizeof *g->grain);
+  *entries = part(block, &at, n * FIRST * sizeof **entries);
+  g->list = part(block, &at, n * sizeof *g->list);
+  g->hull = part(block, &at, n * sizeof *g->hull);
+  g->event = part(block, &at, n * sizeof *g->event);
+  g->queue.slot = part(block, &at, (n + TOP) * sizeof *g->queue.slot);
+  if (block) g->queue.slot += TOP; /* then four children share a cache line */
+  int **integers[] = {&g->queue.place, &g->id, &g->in_level, &g->in_cell, &g->next, &g->previous};
+  for (size_t k = 0; k < sizeof integers / sizeof *integers; k++)
+    *integers[k] = part(block, &at, n * sizeof(int));
+  return at;
+}
+
 static gh_status make_arrays(gh_context *ctx, growth *g) {
-  size_t n = (size_t)g->n;
-  g->queue.n = g->n;
-  g->grain = aligned_alloc(_Alignof(grain), n * sizeof *g->grain);
-  if (!g->grain) return gh_fail(ctx, GH_MEMORY, "no memory for %zu grains", n);
-  memset(g->grain, 0, n * sizeof *g->grain);
-  GH_TRY(gh_alloc(ctx, n, sizeof *g->list, &g->list));
-  GH_TRY(gh_alloc(ctx, n, sizeof *g->hull, &g->hull));
-  GH_TRY(gh_alloc(ctx, n * FIRST, sizeof *g->entries, &g->entries));
-  for (size_t i = 0; i < n; i++) {
-    g->list[i].entry = g->entries + i * FIRST;
+  neighbour *entries;
+  size_t bytes = lay_out(g, NULL, &entries);
+  GH_TRY(packing_large(ctx, bytes, &g->memory));
+  (void)lay_out(g, g->memory, &entries);
+  for (int i = 0; i < g->n; i++) {
+    g->list[i].entry = entries + (size_t)i * FIRST;
     g->list[i].capacity = FIRST;
   }
-  GH_TRY(gh_alloc(ctx, n, sizeof *g->event, &g->event));
-  GH_TRY(gh_alloc(ctx, n, sizeof *g->when, &g->when));
-  GH_TRY(gh_alloc(ctx, n, sizeof *g->queue.slot, &g->queue.slot));
-  GH_TRY(gh_alloc(ctx, n, sizeof *g->queue.place, &g->queue.place));
-  GH_TRY(gh_alloc(ctx, n, sizeof(int), &g->id));
-  GH_TRY(gh_alloc(ctx, n, sizeof(int), &g->in_level));
-  GH_TRY(gh_alloc(ctx, n, sizeof(int), &g->in_cell));
-  GH_TRY(gh_alloc(ctx, n, sizeof(int), &g->next));
-  return gh_alloc(ctx, n, sizeof(int), &g->previous);
+  g->queue.n = g->n;
+  for (int k = 0; k < 3; k++) g->queue.risen[k] = -1;
+  return GH_OK;
 }
 
 gh_status growth_create2(gh_context *ctx, int n, const double *diameter, growth **out) {
@@ -141,11 +155,8 @@ void growth_destroy2(growth **out) {
   if (!g) return;
   for (int i = 0; g->list && i < g->n; i++)
     if (g->list[i].capacity > FIRST) free(g->list[i].entry);
-  free(g->entries);
   for (int k = 0; k < g->levels; k++) free(g->level[k].head);
-  free(g->grain), free(g->list), free(g->hull), free(g->event), free(g->when), free(g->queue.slot),
-      free(g->queue.place);
-  free(g->id), free(g->in_level), free(g->in_cell), free(g->next), free(g->previous);
+  free(g->memory);
   free(g);
   *out = NULL;
 }
@@ -183,14 +194,25 @@ static void settle(growth *g, int i) {
 
 /* ---- lists ---- */
 
+/* Each step of the way to a far entry is fetched for all neighbours before the next one is taken. */
 static void forget(growth *g, int i) {
   list *a = &g->list[i];
+  for (int k = 0; k < a->n; k++) __builtin_prefetch(&g->list[a->entry[k].j]);
+  for (int k = 0; k < a->n; k++) {
+    const list *b = &g->list[a->entry[k].j];
+    __builtin_prefetch(&b->entry[a->entry[k].back]);
+    __builtin_prefetch(&b->entry[b->n - 1]);
+  }
+  for (int k = 0; k < a->n; k++) {
+    const list *b = &g->list[a->entry[k].j];
+    __builtin_prefetch(&g->list[b->entry[b->n - 1].j]);
+  }
   for (int k = 0; k < a->n; k++) {
     list *b = &g->list[a->entry[k].j];
-    int hole = a->entry[k].back;
+    int hole = (int)a->entry[k].back;
     neighbour moved = b->entry[--b->n];
     b->entry[hole] = moved;
-    if (hole < b->n) g->list[moved.j].entry[moved.back].back = hole;
+    if (hole < b->n) g->list[moved.j].entry[moved.back].back = (unsigned)hole;
   }
   a->n = 0;
 }
@@ -216,26 +238,72 @@ static gh_status join(growth *g, int i, int j, int image) {
   list *a = &g->list[i], *b = &g->list[j];
   GH_TRY(make_room(g, a));
   GH_TRY(make_room(g, b));
-  a->entry[a->n] = (neighbour){j, image, b->n};
-  b->entry[b->n++] = (neighbour){i, IMAGES - 1 - image, a->n++};
+  a->entry[a->n] = (neighbour){j, (unsigned)image, (unsigned)b->n};
+  b->entry[b->n++] = (neighbour){i, (unsigned)(IMAGES - 1 - image), (unsigned)a->n++};
   return GH_OK;
 }
 
-/* Joins i with those of a cell's grains, shifted by an image, whose hulls meet its own. */
-static gh_status join_cell(growth *g, int i, int first, int image) {
-  const hull a = g->hull[i];
-  for (int j = first; j >= 0; j = g->next[j]) {
-    const hull *b = &g->hull[j];
-    double l[DIM], reach = a.reach + b->reach;
-    if (j == i) continue;
-    for (int k = 0; k < DIM; k++) l[k] = b->home[k] + g->box.shift[image][k] - a.home[k];
-    if (dot(l, l) < reach * reach) GH_TRY(join(g, i, j, image));
+enum { MANY = 64 };
+/* Grains on the way to a list: the memory of many is fetched before the first is looked at. */
+typedef struct found {
+  int n;
+  struct {
+    int i, image;
+  } of[MANY];
+} found;
+
+/* Joins i with those found, and forgets them. */
+static gh_status join_all(growth *g, int i, found *f) {
+  for (int k = 0; k < f->n; k++) {
+    const list *b = &g->list[f->of[k].i];
+    __builtin_prefetch(&b->entry[b->n]);
   }
+  for (int k = 0; k < f->n; k++) GH_TRY(join(g, i, f->of[k].i, f->of[k].image));
+  f->n = 0;
   return GH_OK;
+}
+
+/* Joins i with those of the chains' grains whose hulls meet its own. */
+static gh_status join_cells(growth *g, int i, found *first) {
+  const hull a = g->hull[i];
+  found near;
+  near.n = 0;
+  for (int c = 0; c < first->n; c++) {
+    const double *shift = g->box.shift[first->of[c].image];
+    for (int j = first->of[c].i; j >= 0; j = g->next[j]) {
+      const hull *b = &g->hull[j];
+      double l[DIM], reach = a.reach + b->reach;
+      if (j == i) continue;
+      for (int k = 0; k < DIM; k++) l[k] = b->home[k] + shift[k] - a.home[k];
+      if (!(dot(l, l) < reach * reach)) continue;
+      __builtin_prefetch(&g->list[j]);
+      near.of[near.n].i = j, near.of[near.n++].image = first->of[c].image;
+      if (near.n == MANY) GH_TRY(join_all(g, i, &near));
+    }
+  }
+  first->n = 0;
+  return join_all(g, i, &near);
 }
 
 static int floor_div(int a, int b) {
   return a >= 0 ? a / b : -((b - 1 - a) / b);
+}
+
+/* A row of cells along the first lattice vector, from `low` to `high`; at and image: of the row. */
+static gh_status search_row(growth *g, int i, const level *l, int at, int image, int low, int high,
+                            found *f) {
+  int shift = floor_div(low, l->m[0]), c = low - shift * l->m[0];
+  const int *head = l->head + (size_t)at * (size_t)l->m[0];
+  for (image = image * SPAN + shift + FAR; low <= high; low++) {
+    if (head[c] >= 0) {
+      f->of[f->n].i = head[c], f->of[f->n++].image = image;
+      __builtin_prefetch(&g->hull[head[c]]);
+      __builtin_prefetch(&g->next[head[c]]);
+      if (f->n == MANY) GH_TRY(join_cells(g, i, f));
+    }
+    if (++c == l->m[0]) c = 0, image++;
+  }
+  return GH_OK;
 }
 
 /* All cells of a level within the reach of i's hull and those of the level; cells beyond the faces are
@@ -243,6 +311,8 @@ static int floor_div(int a, int b) {
 static gh_status search(growth *g, int i, const level *l) {
   double s[DIM];
   int low[DIM], high[DIM], c[DIM];
+  found first;
+  first.n = 0;
   lattice_coordinates(&g->box, g->hull[i].home, s);
   for (int k = 0; k < DIM; k++) {
     double reach = (g->hull[i].reach + l->reach) / g->box.height[k] + 1e-9;
@@ -251,15 +321,15 @@ static gh_status search(growth *g, int i, const level *l) {
   }
   for (int k = 0; k < DIM;) {
     int at = 0, image = 0;
-    for (int d = DIM - 1; d >= 0; d--) {
+    for (int d = DIM - 1; d > 0; d--) {
       int shift = floor_div(c[d], l->m[d]);
       at = at * l->m[d] + c[d] - shift * l->m[d];
       image = image * SPAN + shift + FAR;
     }
-    if (l->head[at] >= 0) GH_TRY(join_cell(g, i, l->head[at], image));
-    for (k = 0; k < DIM && ++c[k] > high[k]; k++) c[k] = low[k];
+    GH_TRY(search_row(g, i, l, at, image, low[0], high[0], &first));
+    for (k = 1; k < DIM && ++c[k] > high[k]; k++) c[k] = low[k];
   }
-  return GH_OK;
+  return join_cells(g, i, &first);
 }
 
 /* The shell is best when making lists costs about as much as looking through them. At most half the mean

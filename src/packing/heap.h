@@ -1,5 +1,6 @@
 /* The queue of events: one entry per grain, ordered by time. SPDX-License-Identifier: GPL-2.0-or-later
- * A heap of four children per node with the place of each grain, so that an entry moves in O(log n). */
+ * A heap of four children per node with the place of each grain, so that an entry moves in O(log n). Who
+ * rises near the top is told, so that his memory can be fetched before his event. */
 #ifndef GRANHOM_PACKING_HEAP_H
 #define GRANHOM_PACKING_HEAP_H
 
@@ -12,6 +13,7 @@ typedef struct heap {
   int n;
   heap_slot *slot; /* n */
   int *place;      /* n, slot of each grain */
+  int risen[3];    /* who came last into the first, second and third rank below the top; -1: nobody since */
 } heap;
 
 static inline void heap_put(heap *h, int p, heap_slot s) {
@@ -33,10 +35,13 @@ static inline void heap_down(heap *h, int p, heap_slot s) {
   for (;;) {
     int first = 4 * p + 1, last = first + 4 < h->n ? first + 4 : h->n, least = first;
     if (first >= h->n) break;
+    if (16 * p + 20 < h->n) /* the grandchildren, while the children are looked at */
+      for (int c = 16 * p + 5; c < 16 * p + 21; c += 4) __builtin_prefetch(&h->slot[c]);
     for (int c = first + 1; c < last; c++)
       if (h->slot[c].t < h->slot[least].t) least = c;
     if (h->slot[least].t >= s.t) break;
     heap_put(h, p, h->slot[least]);
+    if (p > 0 && p < 85) h->risen[(p > 4) + (p > 20)] = h->slot[p].i;
     p = least;
   }
   heap_put(h, p, s);

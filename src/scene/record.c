@@ -117,6 +117,8 @@ static void add_summary(cJSON *root, const gh_run_summary *m) {
   number(farm, "evaluations", (double)m->farm.evaluations);
   number(farm, "computed", (double)m->farm.computed);
   number(farm, "moved", (double)m->farm.moved);
+  number(farm, "busy_seconds", m->farm.busy);
+  number(farm, "longest_seconds", m->farm.longest);
   number(farm, "different_rves", m->farm.states);
   number(farm, "rves_kept_ready", m->farm.residents);
   number(farm, "bytes_of_one", m->farm.bytes);

@@ -7,8 +7,8 @@ export OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1
 granhom=$(cd "${1:-build}" && pwd)/granhom
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
-# the pressure, and the first 0.3 mm of 3.5
-sed -e "s|sand88.data|$(pwd)/scenes/biaxial/sand88.data|" -e 's/increments: 35/increments: 3/' -e 's/y: -3.5/y: -0.3/' scenes/biaxial/periodic.yaml >"$work/scene.yaml"
+# the first three increments of the pressure
+sed -e "s|sand88.data|$(pwd)/scenes/biaxial/sand88.data|" -e 's/increments: 10/increments: 3/' -e 's/to: 0.2}/to: 0.067}/g' -e '/name: compress/,/displace/d' scenes/biaxial/periodic.yaml >"$work/scene.yaml"
 run() { # run NAME RANKS OPTIONS
   name=$1 ranks=$2
   shift 2
@@ -24,10 +24,10 @@ cmp "$work/one/history.csv" "$work/still/history.csv"
 import json, sys
 runs = {name: json.load(open(f"{sys.argv[1]}/{name}/run.json"))["summary"] for name in ("one", "still", "two")}
 one = runs["one"]["seconds"]
-print(f"{'farm: biaxial, periodic, 13 increments':40} {'seconds':>8} {'micro':>8} {'efficiency':>10} {'of micro':>8} {'moved':>6}")
+print(f"{'farm: biaxial, periodic, 3 increments':40} {'seconds':>8} {'micro':>8} {'efficiency':>10} {'of micro':>8} {'balance':>8} {'moved':>6}")
 for name, words, ranks in (("one", "one rank", 1), ("still", "two ranks, --no-balance", 2), ("two", "two ranks", 2)):
-    s = runs[name]["seconds"]
-    print(f"{words:40} {s['total']:8.2f} {s['micro']:8.2f} {one['total'] / (ranks * s['total']):10.1%} {one['micro'] / (ranks * s['micro']):8.1%} {runs[name]['farm']['moved']:6}")
+    s, f = runs[name]["seconds"], runs[name]["farm"]
+    print(f"{words:40} {s['total']:8.2f} {s['micro']:8.2f} {one['total'] / (ranks * s['total']):10.1%} {one['micro'] / (ranks * s['micro']):8.1%} {f['busy_seconds'] / (ranks * f['longest_seconds']):8.1%} {runs[name]['farm']['moved']:6}")
 inside = sum(one[k] for k in ("micro_set", "micro_relax", "micro_contacts", "micro_factorise"))
 print("one rank, share of the run:")
 for words, seconds in (("cell, relaxation, contacts, factorisation", inside), ("other arithmetic of an RVE (sums, states)", one["micro_sum"] - inside),

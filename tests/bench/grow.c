@@ -1,15 +1,17 @@
 /* Events per second while packings grow: equal grains, quartz sand, concrete, 2D and 3D.
  * SPDX-License-Identifier: GPL-2.0-or-later
  *
- *   grow [LARGEST]     number of grains up to LARGEST (default 100000)
+ *   grow [LARGEST [PART]]     number of grains up to LARGEST (default 100000); PART of the volume fraction
  *
- * Each packing grows from points to a volume fraction short of jamming; all of that is in the time. The last
- * column is the time per collision over log2 of the number of grains: it must not rise with that number but
- * for what the caches do. */
+ * Each packing grows from points to a volume fraction short of jamming; all of that is in the time, which is
+ * the processor's. Leaves are new lists per collision: only rows where they agree compare the same work. The
+ * last column is the time per collision over log2 of the number of grains: it must not rise with that number
+ * but for what the caches do. */
 #include "granhom/packing.h"
 
 #include <stdlib.h>
 #include <string.h>
+#include <time.h>
 
 static const struct sand {
   const char *name;
@@ -19,7 +21,8 @@ static const struct sand {
              {"quartz", 6, {.25, .16, .125, .1, .063, .05}, {6, 242, 441, 149, 145, 17}, {0.80, 0.61}},
              {"concrete", 5, {16, 8, 4, 2, 1}, {8, 21, 53, 127, 791}, {0.88, 0.63}}};
 
-static gh_status grow(gh_context *ctx, const struct sand *sand, int dim, int n, gh_grow_result *r) {
+static gh_status grow(gh_context *ctx, const struct sand *sand, int dim, int n, double part,
+                      gh_grow_result *r) {
   gh_sieve *sieve;
   double *diameter = NULL;
   int count[6], *type = NULL;
@@ -29,7 +32,7 @@ static gh_status grow(gh_context *ctx, const struct sand *sand, int dim, int n, 
   if (status == GH_OK) status = gh_sieve_grains(ctx, sieve, count, &n, &diameter, &type);
   gh_grow_options o = gh_grow_defaults(dim);
   o.rate = 0.02;
-  o.volume_fraction = sand->fraction[dim - 2];
+  o.volume_fraction = part * sand->fraction[dim - 2];
   if (status == GH_OK) status = gh_packing_grow(ctx, dim, n, diameter, type, &o, &grains, r);
   gh_grains_destroy(&grains);
   gh_sieve_destroy(&sieve);
@@ -40,20 +43,23 @@ static gh_status grow(gh_context *ctx, const struct sand *sand, int dim, int n, 
 
 int main(int argc, char **argv) {
   gh_context *ctx;
-  double largest = argc > 1 ? atof(argv[1]) : 1e5;
+  double largest = argc > 1 ? atof(argv[1]) : 1e5, part = argc > 2 ? atof(argv[2]) : 1;
   if (gh_context_create(&ctx) != GH_OK) return 1;
-  printf("%-9s %3s %7s %9s %11s %8s %10s %12s\n", "grains", "dim", "number", "fraction", "collisions",
-         "seconds", "per second", "ns per log2 n");
+  printf("%-9s %3s %7s %9s %11s %7s %8s %10s %12s\n", "grains", "dim", "number", "fraction", "collisions",
+         "leaves", "seconds", "per second", "ns per log2 n");
   for (size_t s = 0; s < sizeof sands / sizeof *sands; s++)
     for (int dim = 2; dim <= 3; dim++)
       for (int n = 1000; n <= largest; n *= 10) {
         gh_grow_result r;
-        if (grow(ctx, &sands[s], dim, n, &r) != GH_OK) {
+        clock_t begin = clock();
+        if (grow(ctx, &sands[s], dim, n, part, &r) != GH_OK) {
           fprintf(stderr, "%s\n", gh_message(ctx));
           return 1;
         }
-        printf("%-9s %3d %7d %9.4f %11.0f %8.2f %10.3g %12.1f\n", sands[s].name, dim, n, r.volume_fraction,
-               r.collisions, r.seconds, r.rate, 1e9 / r.rate / log2(n));
+        double seconds = (double)(clock() - begin) / CLOCKS_PER_SEC, rate = r.collisions / seconds;
+        printf("%-9s %3d %7d %9.4f %11.0f %7.2f %8.2f %10.3g %12.1f\n", sands[s].name, dim, n,
+               r.volume_fraction, r.collisions, r.transfers / r.collisions, seconds, rate,
+               1e9 / rate / log2(n));
         fflush(stdout);
       }
   gh_context_destroy(&ctx);

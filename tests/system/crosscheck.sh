@@ -2,27 +2,13 @@
 # `granhom crosscheck` as users run it: table, files, refinement, programs that are missing, fail or hang, bad input.
 # SPDX-License-Identifier: GPL-2.0-or-later
 set -u
+. "$(dirname "$0")/../shell.sh" # ok, not_ok, check
 BUILD=$(cd "${BUILD:-build}" && pwd) || exit 1
 root=$(pwd)
 packing=$root/tests/data/cases/packings/p50d.data
 granhom=$BUILD/granhom
 work=$(mktemp -d) && cd "$work" || exit 1
 trap 'rm -rf "$work"' EXIT
-bad=0
-
-ok() { echo "ok - $1"; }
-not_ok() {
-  echo "not ok - $1"
-  shift
-  [ $# -gt 0 ] && printf '  %s\n' "$@"
-  bad=1
-}
-# check NAME COMMAND...: the command succeeds
-check() {
-  local name=$1 said
-  shift
-  if said=$("$@" 2>&1); then ok "$name"; else not_ok "$name" "$*" "$said"; fi
-}
 cross() { "$granhom" crosscheck "$packing" --normal-stiffness 1000 --tolerance 1e-10 "$@"; }
 # column FILE NAME: the values of a column
 column() { awk -F, -v name="$2" 'NR == 1 { for (c = 1; c <= NF; c++) if ($c == name) at = c; if (!at) exit 1; next } { print $at }' "$1"; }

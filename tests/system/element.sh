@@ -2,27 +2,13 @@
 # `granhom element` as users run it: biaxial, undrained, constant pressure and cyclic tests, tables, states, bad input.
 # SPDX-License-Identifier: GPL-2.0-or-later
 set -u
+. "$(dirname "$0")/../shell.sh" # ok, not_ok, check
 BUILD=$(cd "${BUILD:-build}" && pwd) || exit 1
 root=$(pwd)
 sand=$root/scenes/block/sand150.data
 granhom=$BUILD/granhom
 work=$(mktemp -d) && cd "$work" || exit 1
 trap 'rm -rf "$work"' EXIT
-bad=0
-
-ok() { echo "ok - $1"; }
-not_ok() {
-  echo "not ok - $1"
-  shift
-  [ $# -gt 0 ] && printf '  %s\n' "$@"
-  bad=1
-}
-# check NAME COMMAND...: the command succeeds
-check() {
-  local name=$1 said
-  shift
-  if said=$("$@" 2>&1); then ok "$name"; else not_ok "$name" "$*" "$said"; fi
-}
 element() { "$granhom" element "$sand" --engine native --normal-stiffness 50 "$@"; }
 # table FILE PROGRAM: awk's PROGRAM sets `wrong` where a row is; v("s11") is a column of the row, n counts from the start
 table() {

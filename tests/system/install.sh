@@ -3,27 +3,13 @@
 # and the static library, LAMMPS's errors in it, symbols, headers in C and C++, the manual page, make uninstall.
 # SPDX-License-Identifier: GPL-2.0-or-later
 set -u
+. "$(dirname "$0")/../shell.sh" # ok, not_ok, check
 BUILD=${BUILD:-build}
 [ -n "${SANITIZED:-}" ] && { echo "skip - a library with a sanitizer is not for installing"; exit 0; }
 export OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1
 root=$(pwd)
 work=$(mktemp -d) || exit 1
 trap 'rm -rf "$work"' EXIT
-bad=0
-
-ok() { echo "ok - $1"; }
-not_ok() {
-  echo "not ok - $1"
-  shift
-  [ $# -gt 0 ] && printf '  %s\n' "$@"
-  bad=1
-}
-# check NAME COMMAND...: the command succeeds
-check() {
-  local name=$1 said
-  shift
-  if said=$("$@" 2>&1); then ok "$name"; else not_ok "$name" "$*" "$said"; fi
-}
 
 # --- make install ---
 prefix=$work/prefix

@@ -2,25 +2,11 @@
 # `granhom pack` as users run it: hard and soft packings, fabric, ensembles, pictures, bad input.
 # SPDX-License-Identifier: GPL-2.0-or-later
 set -u
+. "$(dirname "$0")/../shell.sh" # ok, not_ok, check
 BUILD=$(cd "${BUILD:-build}" && pwd) || exit 1
 granhom=$BUILD/granhom
 work=$(mktemp -d) && cd "$work" || exit 1
 trap 'rm -rf "$work"' EXIT
-bad=0
-
-ok() { echo "ok - $1"; }
-not_ok() {
-  echo "not ok - $1"
-  shift
-  [ $# -gt 0 ] && printf '  %s\n' "$@"
-  bad=1
-}
-# check NAME COMMAND...: the command succeeds
-check() {
-  local name=$1 said
-  shift
-  if said=$("$@" 2>&1); then ok "$name"; else not_ok "$name" "$*" "$said"; fi
-}
 pack() { "$granhom" pack "$@" 2>progress; }
 # refuse NAME WORDS ARGUMENTS...: exit status 2, a message with WORDS, no packing
 refuse() {

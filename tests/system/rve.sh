@@ -2,27 +2,13 @@
 # `granhom rve` as users run it: files and pipes, tangent, dump, state, bad input, an increment that does not converge.
 # SPDX-License-Identifier: GPL-2.0-or-later
 set -u
+. "$(dirname "$0")/../shell.sh" # ok, not_ok, check
 BUILD=$(cd "${BUILD:-build}" && pwd) || exit 1
 root=$(pwd)
 packing=$root/tests/data/cases/packings/p50.data
 granhom=$BUILD/granhom
 work=$(mktemp -d) && cd "$work" || exit 1
 trap 'rm -rf "$work"' EXIT
-bad=0
-
-ok() { echo "ok - $1"; }
-not_ok() {
-  echo "not ok - $1"
-  shift
-  [ $# -gt 0 ] && printf '  %s\n' "$@"
-  bad=1
-}
-# check NAME COMMAND...: the command succeeds
-check() {
-  local name=$1 said
-  shift
-  if said=$("$@" 2>&1); then ok "$name"; else not_ok "$name" "$*" "$said"; fi
-}
 rve() { "$granhom" rve "$@"; }
 native() { rve "$packing" --engine native --normal-stiffness 1000 "$@"; }
 # The columns of a results file that do not hold times.

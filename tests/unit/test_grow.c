@@ -83,7 +83,7 @@ static void queue(void **state) {
   enum { N = 1000 };
   heap_slot slot[N];
   int place[N];
-  heap h = {N, slot, place};
+  heap h = {N, slot, place, {-1, -1, -1}};
   unsigned long long seed = 11;
   (void)state;
   print_message("seed %llu\n", seed);
