@@ -195,6 +195,12 @@ say $? 'so is the state of an RVE'
 "$lean" plot "$work/out" >"$work/said" 2>"$work/err"
 say $? 'pictures of what is text are drawn'
 grep -q curves.png "$work/said" && grep -q 'no mesh.png.*without HDF5' "$work/err"; say $? 'and the others named'
+printf '%s\ncontact: {normal_stiffness: 50}\nmicro: {engine: native}\n' "$head" >"$work/n.yaml"
+# MPI_Init makes a folder for its session there
+OMPI_MCA_orte_tmpdir_base=$work/session "$lean" run "$work/n.yaml" -o "$work/native" >/dev/null 2>&1 && [ ! -e "$work/session" ]
+say $? 'with the native engine nobody starts MPI'
+OMPI_MCA_orte_tmpdir_base=$work/session "$lean" run "$work/s.yaml" -o "$work/out" >/dev/null 2>&1 && [ -e "$work/session" ]
+say $? 'with LAMMPS, LAMMPS does'
 OMPI_COMM_WORLD_SIZE=2
 export OMPI_COMM_WORLD_SIZE
 refused 'without MPI.*on 2 ranks' "$lean" run "$work/s.yaml" -o "$work/two"
