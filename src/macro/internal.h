@@ -212,6 +212,7 @@ typedef struct gh_attempt {
   int substep, iterations;
   double residual, scale; /* of m->now */
   bool released;          /* fading forces do not act */
+  bool present;           /* iterate with present tangents, whatever the option says */
 } gh_attempt;
 
 /* Outer forces at the fraction t and at displacements u, `fade` left out where told. */

@@ -168,6 +168,29 @@ static void going_on(void **state) {
   }
 }
 
+/* Far from where it was made, the elastic tangent is too far behind to converge. That is no jump of a
+ * packing: the part is done with the present tangent, and ends where all others do. */
+static void too_far_behind(void **state) {
+  gh_context *ctx = *state;
+  for (int t = GH_TANGENT_FROZEN; t <= GH_TANGENT_ELASTIC; t++) {
+    block a, b;
+    make_block(ctx, false, GH_TANGENT_ALGORITHMIC, &a);
+    make_block(ctx, false, (gh_tangent)t, &b);
+    int most = 0;
+    for (int k = 10; k <= 90; k += 20) {
+      solve(&a, k, false);
+      solve(&b, k, false);
+      assert_int_equal(a.report.cuts + a.report.jumps + b.report.jumps, 0);
+      const double *u = gh_macro_u(a.macro);
+      NEAR("u", distance(u, gh_macro_u(b.macro), 18), 0, 1e-8 * norm(u, 18));
+      most = b.report.iterations > most ? b.report.iterations : most;
+    }
+    if (getenv("LEAN_TELL")) printf("%s: at most %d iterations\n", gh_tangent_name((gh_tangent)t), most);
+    drop_block(&a);
+    drop_block(&b);
+  }
+}
+
 static void names(void **state) {
   (void)state;
   gh_tangent t;
@@ -179,6 +202,7 @@ static void names(void **state) {
 }
 
 int main(void) {
-  const struct CMUnitTest tests[] = {TEST(same_answers), TEST(orders), TEST(going_on), TEST(names)};
+  const struct CMUnitTest tests[] = {TEST(same_answers), TEST(orders), TEST(going_on), TEST(too_far_behind),
+                                     TEST(names)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
