@@ -73,8 +73,8 @@ gh_status gh_lmp_builds(gh_context *ctx, void *lmp, const char *id, long *builds
 /* ---- a LAMMPS program of its own ---- */
 
 /* What LAMMPS's own main does with these arguments (argv[0] is the program) on MPI_COMM_WORLD (MPI is
- * initialised if nobody did). *exit_status: that of a `quit` command, else 0. GH_ENGINE: an error; on all ranks unless
- * *alone is set: then the other ranks do not know, and the caller must end them (MPI_Abort). */
+ * initialised if nobody did). *exit_status: that of a `quit` command, else 0. GH_ENGINE: an error; on all
+ * ranks unless *alone is set: then the other ranks do not know, and the caller must end them (MPI_Abort). */
 gh_status gh_lmp_program(gh_context *ctx, int argc, char **argv, int *exit_status, bool *alone);
 
 #ifdef __cplusplus
