@@ -5,6 +5,7 @@
 #   make bench    times of one RVE update and of the farm;   make asan / make valgrind   the tests under the checkers
 #   make extreme  the cases of docs/stability.md, the long ones too, and its table
 #   make format   clang-format over all sources
+#   make MPI=0 HDF5=0   without ranks, without HDF5 files (docs/user-guide.md); the same words again with make check, install ...
 #   make install   PREFIX=/usr/local DESTDIR=   program, library, headers, granhom.pc, manual page;   make uninstall
 BUILD  ?= build
 PREFIX ?= /usr/local
@@ -12,27 +13,34 @@ ARCH   ?= -march=native
 OPT    ?= -O3
 MODULES ?= base io contact packing engine engine/native engine/lammps engine/peers engine/liggghts micro farm control macro scene
 
-PKGS   := ompi-c hdf5-openmpi yaml-0.1 libcjson cairo
+# MPI=0: granhom's own code knows no ranks; LAMMPS keeps the MPI that it was built with. HDF5=0: results as text alone.
+MPI    ?= 1
+HDF5   ?= 1
+HDF5_PKG := $(if $(filter 0,$(HDF5)),,$(if $(filter 0,$(MPI)),$(shell pkg-config --exists hdf5-serial && echo hdf5-serial || echo hdf5-openmpi),hdf5-openmpi))
+PKGS   := $(if $(filter 0,$(MPI)),,ompi-c) $(HDF5_PKG) yaml-0.1 libcjson cairo
+LEFT_OUT := $(if $(filter 0,$(MPI)),src/farm/mpi.c src/farm/serve.c driver/ranks_mpi.c,src/farm/alone.c driver/ranks_alone.c) \
+  $(if $(filter 0,$(HDF5)),src/io/h5.c,src/io/h5_none.c)
 CC     ?= gcc
 CXX    ?= g++
 WARN   := -Wall -Wextra -Wpedantic -Werror
 # All objects serve the shared library too: position-independent code costs nothing here (docs/performance.md).
 PIC    := -fPIC -fno-semantic-interposition
 FLAGS  := $(OPT) -g $(ARCH) -fno-math-errno $(PIC) $(SAN) $(WARN) -Iinclude -Isrc -I$(BUILD) -DGH_BUILD_FLAGS='"$(OPT) $(ARCH) $(SAN)"'
-CPPFLAGS_PKG = $(shell pkg-config --cflags $(PKGS) | sed 's/-I/-isystem /g') -isystem /usr/include/suitesparse
+CPPFLAGS_PKG := $(shell pkg-config --cflags $(PKGS) | sed 's/-I/-isystem /g') -isystem /usr/include/suitesparse $(if $(filter 0,$(MPI)),-DGH_NO_MPI)
+MPI_OF_LAMMPS := $(shell pkg-config --cflags ompi-c | sed 's/-I/-isystem /g')
 CFLAGS  = -std=c17 -D_XOPEN_SOURCE=700 $(FLAGS) $(CPPFLAGS_PKG) -fexceptions
 # LAMMPS's headers are C++11 of their own kind: ours on top of them keep the warnings.
-CXXFLAGS = -std=c++17 $(FLAGS) $(CPPFLAGS_PKG) -isystem src/engine/lammps/compat -isystem /usr/include/lammps -DLAMMPS_SMALLBIG -DLAMMPS_LIB_MPI
+CXXFLAGS = -std=c++17 $(FLAGS) $(CPPFLAGS_PKG) $(MPI_OF_LAMMPS) -isystem src/engine/lammps/compat -isystem /usr/include/lammps -DLAMMPS_SMALLBIG -DLAMMPS_LIB_MPI
 LDFLAGS = -rdynamic $(SAN)
-LDLIBS  = -llammps -lcholmod -lumfpack -lklu $(shell pkg-config --libs $(PKGS)) -lstdc++ -lm
+LDLIBS  = -llammps -lcholmod -lumfpack -lklu $(shell pkg-config --libs $(PKGS) ompi-c) -lstdc++ -lm
 
-SRC  := $(foreach m,$(MODULES),$(wildcard src/$(m)/*.c src/$(m)/*.cpp))
+SRC  := $(filter-out $(LEFT_OUT),$(foreach m,$(MODULES),$(wildcard src/$(m)/*.c src/$(m)/*.cpp)))
 OBJ  := $(SRC:%=$(BUILD)/%.o)
 LIB  := $(BUILD)/libgranhom.a
 VERSION := $(shell sed -n 's/^\#define GH_VERSION "\(.*\)"/\1/p' include/granhom/granhom.h)
 SONAME  := libgranhom.so.$(firstword $(subst ., ,$(VERSION)))
 SHARED  := $(BUILD)/libgranhom.so.$(VERSION)
-DRV  := $(wildcard driver/*.c)
+DRV  := $(filter-out $(LEFT_OUT),$(wildcard driver/*.c))
 DOBJ := $(DRV:%=$(BUILD)/%.o)
 TESTS := $(wildcard tests/unit/test_*.c tests/verify/test_*.c tests/extreme/test_*.c)
 TBIN := $(TESTS:%.c=$(BUILD)/%)
@@ -44,11 +52,15 @@ BENCH := $(patsubst %.c,$(BUILD)/%,$(wildcard tests/bench/*.c))
 all: $(BUILD)/granhom
 lib: $(LIB) $(SHARED)
 
-$(BUILD)/%.c.o: %.c Makefile
+# Objects of another choice of MPI and HDF5 are not mixed with these.
+CHOICE := MPI=$(MPI) HDF5=$(HDF5)
+$(shell mkdir -p $(BUILD); echo '$(CHOICE)' | cmp -s - $(BUILD)/choice || echo '$(CHOICE)' >$(BUILD)/choice)
+
+$(BUILD)/%.c.o: %.c Makefile $(BUILD)/choice
 	@mkdir -p $(@D)
 	@echo "  CC   $<"
 	@$(CC) $(CFLAGS) -MMD -MP -c $< -o $@
-$(BUILD)/%.cpp.o: %.cpp Makefile
+$(BUILD)/%.cpp.o: %.cpp Makefile $(BUILD)/choice
 	@mkdir -p $(@D)
 	@echo "  CXX  $<"
 	@$(CXX) $(CXXFLAGS) -MMD -MP -c $< -o $@
@@ -68,6 +80,12 @@ $(BUILD)/tests/%: $(BUILD)/tests/%.c.o $(LIB)
 	@echo "  LD   $@"
 	@$(CC) $(LDFLAGS) $< $(LIB) $(LDLIBS) -lcmocka -o $@
 
+# tests/unit/test_lean.c counts what granhom's own objects ask for.
+COUNTED := malloc calloc realloc _Znwm _ZN9LAMMPS_NS6Memory7smallocElPKc _ZN9LAMMPS_NS6Memory8sreallocEPvlPKc lammps_open lammps_command \
+  gh_engine_begin gh_engine_set gh_engine_relax gh_rve_find_rattlers cholmod_analyze cholmod_factorize klu_analyze klu_factor umfpack_di_numeric gh_rve_tangent gh_rve_tangent_friction
+$(BUILD)/tests/unit/test_lean: LDFLAGS += $(COUNTED:%=-Wl,--wrap=%)
+
+export MPI HDF5
 packages:
 	@scripts/install-packages.sh
 demo: packages

@@ -24,7 +24,15 @@ int cli_close(gh_context *ctx, gh_status s);
 /* Prints "granhom NAME: message" and how to get help; returns 2. */
 int cli_usage(const cli_command *command, const char *format, ...) GH_PRINTF(2, 3);
 /* MPI_Init for commands that need MPI (LAMMPS, HDF5), MPI_Finalize at exit. GH_INPUT when started on more
- * than one rank and `single` is set. */
+ * than one rank and `single` is set, or this build has no MPI. */
 gh_status cli_mpi(gh_context *ctx, bool single);
+/* MPI_Comm * of all ranks, for the library; NULL in a build without MPI. */
+const void *cli_world(void);
+/* How many they are; 0 in a build without MPI. */
+int cli_ranks(void);
+/* The value that rank 0 has, on all ranks. */
+int cli_share(int value);
+/* Ends all ranks. */
+void cli_abort(int code);
 
 #endif

@@ -4,7 +4,6 @@
 
 #include "engine/lammps/guard.h"
 
-#include <mpi.h>
 #include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -23,8 +22,7 @@ static gh_status check_script(gh_context *ctx, const char *path) {
     struct stat info;
     there = access(path, R_OK) == 0 && stat(path, &info) == 0 && !S_ISDIR(info.st_mode);
   }
-  MPI_Bcast(&there, 1, MPI_INT, 0, MPI_COMM_WORLD);
-  return there ? GH_OK : gh_fail(ctx, GH_INPUT, "cannot open the input script %s", path);
+  return cli_share(there) ? GH_OK : gh_fail(ctx, GH_INPUT, "cannot open the input script %s", path);
 }
 
 static int run(int argc, char **argv) {
@@ -37,7 +35,7 @@ static int run(int argc, char **argv) {
   if (status == GH_OK) status = gh_lmp_program(ctx, argc, argv, &exit_status, &alone);
   if (alone && cli_rank() > 0) fprintf(stderr, "granhom: %s\n", gh_message(ctx));
   int code = cli_close(ctx, status);
-  if (alone) MPI_Abort(MPI_COMM_WORLD, code);
+  if (alone) cli_abort(code);
   return code ? code : exit_status;
 }
 

@@ -63,7 +63,9 @@ static gh_status work(gh_context *ctx, const plot_arguments *a) {
     gh_status status = pictures[k].draw(ctx, a, png);
     if (status == GH_OK) printf("%s\n", png);
     free(png);
-    if (status == GH_INPUT && pictures[k].draw == rve && a->point < 0) { /* a scene may record none */
+    bool fields = pictures[k].draw == rve || pictures[k].draw == mesh;
+    if (status == GH_INPUT && a->point < 0 &&
+        (pictures[k].draw == rve || (fields && !gh_h5_available()))) { /* a scene may record none */
       fprintf(stderr, "granhom: no %s: %s\n", pictures[k].name, gh_message(ctx));
       continue;
     }

@@ -2,7 +2,6 @@
 #include "cli.h"
 #include "granhom/scene.h"
 
-#include <mpi.h>
 #include <signal.h>
 #include <string.h>
 
@@ -91,13 +90,13 @@ static gh_status work(gh_context *ctx, const run_arguments *a) {
   if (a->engine)
     gh_scene_set_engine(scene, strcmp(a->engine, "native") == 0 ? GH_ENGINE_NATIVE : GH_ENGINE_LAMMPS);
   gh_scene_set_sharing(scene, !a->no_share);
+  gh_scene_set_ranks(scene, cli_ranks(), a->no_balance);
   gh_status status;
   if (a->explain) {
     status = explain(ctx, scene);
   } else {
-    MPI_Comm world = MPI_COMM_WORLD;
     gh_run_options options = {.stop = stop,
-                              .comm = &world,
+                              .comm = cli_world(),
                               .no_balance = a->no_balance,
                               .restart = a->restart,
                               .checkpoint_every = (int)a->every};
@@ -111,18 +110,15 @@ static gh_status work(gh_context *ctx, const run_arguments *a) {
 
 /* Rank 0 runs the scene, the others serve its farm. All end with the status of rank 0. */
 static gh_status share_work(gh_context *ctx, const run_arguments *a) {
-  MPI_Comm world = MPI_COMM_WORLD;
   gh_status status;
   if (cli_rank() == 0) {
     status = work(ctx, a);
-    gh_farm_dismiss(&world);
-  } else if ((status = gh_farm_serve(ctx, &world, stop, NULL)) != GH_OK) {
+    gh_farm_dismiss(cli_world());
+  } else if ((status = gh_farm_serve(ctx, cli_world(), stop, NULL)) != GH_OK) {
     fprintf(stderr, "granhom: rank %d: %s\n", cli_rank(), gh_message(ctx)); /* rank 0 may be waiting for it */
-    MPI_Abort(world, gh_exit_status(status));
+    cli_abort(gh_exit_status(status));
   }
-  int shared = (int)status;
-  MPI_Bcast(&shared, 1, MPI_INT, 0, world);
-  return (gh_status)shared;
+  return (gh_status)cli_share((int)status);
 }
 
 static int run(int argc, char **argv) {

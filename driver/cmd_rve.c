@@ -298,6 +298,10 @@ static gh_status finish(job *j, gh_status status) {
 
 static gh_status rve(job *j) {
   const arguments *a = j->args;
+  if ((a->save || a->load) && !gh_h5_available())
+    return gh_fail(
+        j->ctx, GH_INPUT,
+        "--save-state and --load-state need HDF5, and this granhom was built without (make HDF5=0)");
   GH_TRY(gh_packing_read(j->ctx, a->packing, &j->packing));
   GH_TRY(path_read(j->ctx, a->path, &j->path));
   GH_TRY(cli_mpi(j->ctx, true));

@@ -1,5 +1,6 @@
 /* granhom: finds the subcommand. SPDX-License-Identifier: GPL-2.0-or-later */
 #include "cli.h"
+#include "granhom/io.h"
 #include "granhom/granhom.h"
 
 #include <signal.h>
@@ -80,6 +81,8 @@ static int version(void) {
   printf("granhom %s\nLAMMPS ", GH_VERSION);
   if (lammps > 0) printf("%d\n", lammps);
   else printf("cannot be used\n");
+  printf("MPI %s\nHDF5 %s\n", cli_world() ? "yes" : "no (make MPI=0)",
+         gh_h5_available() ? "yes" : "no (make HDF5=0)");
   return cli_close(ctx, status);
 }
 

@@ -106,6 +106,8 @@ gh_status gh_yaml_numbers(gh_yaml_node node, const char *what, int n, double *va
 /* ---- HDF5 ---- */
 
 typedef struct gh_h5 gh_h5;
+/* false: built without HDF5 (make HDF5=0). Then gh_h5_open and gh_h5_read fail, GH_INPUT, and say so. */
+bool gh_h5_available(void);
 /* Opens a file for change, with what path holds when it exists and append is true. It is kept in memory until
  * gh_h5_commit puts it into place by way of path.tmp: HDF5 1.10 itself does not survive a full disk. A
  * dataset that is put again is replaced. */

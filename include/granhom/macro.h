@@ -73,6 +73,18 @@ void gh_footing_point(const gh_mesh *mesh, int set, double eccentricity, double 
 
 typedef struct gh_macro gh_macro;
 
+/* The matrix of Newton's iteration. It decides on the way, not on where it ends: the residual is always that
+ * of the packings. */
+typedef enum gh_tangent {
+  GH_TANGENT_ALGORITHMIC, /* of the present iterate: quadratic convergence */
+  GH_TANGENT_SYMMETRISED, /* its symmetric part: Cholesky in place of LU; linear where friction is */
+  GH_TANGENT_FROZEN,      /* of the last equilibrium: one factorisation for a part of an increment; linear */
+  GH_TANGENT_ELASTIC      /* of u = 0 before the first increment, where contacts stick: likewise */
+} gh_tangent;
+/* "algorithmic", "symmetrised", "frozen", "elastic"; false when the word is none of them. */
+bool gh_tangent_from_name(const char *name, gh_tangent *tangent);
+const char *gh_tangent_name(gh_tangent tangent);
+
 typedef struct gh_macro_options {
   double tolerance;   /* |R_free| <= tolerance (|f_ext| + |R_prescribed|); default 1e-8 */
   int max_iterations; /* default 20 */
@@ -80,6 +92,8 @@ typedef struct gh_macro_options {
   bool line_search;   /* default true */
   bool pass_jumps; /* default true: when the cuts are spent, commit the states beyond a jump of the packings
                       and go on (method 6) */
+  gh_tangent tangent; /* default: algorithmic. With frozen and elastic the packings are asked for tangents at
+                         the end of a part alone, by one evaluation more */
 } gh_macro_options;
 gh_macro_options gh_macro_defaults(void);
 
@@ -118,6 +132,8 @@ gh_status gh_macro_balance(gh_macro *macro);
  * the state is that of the last converged part (farm reverted), and the message names the integration point
  * or the node with the largest residual and the reason. */
 gh_status gh_macro_solve(gh_macro *macro, const gh_loads *loads, gh_macro_report *report);
+/* How often the next increments may be halved, in place of the option's cut_steps (0 ... 40). */
+void gh_macro_allow_cuts(gh_macro *macro, int cut_steps);
 
 /* All that the next gh_macro_solve starts from, without the states of the farm, as numbers: a macro of the
  * same mesh and options that loads them goes on to the same last bit. GH_INPUT: not of this mesh. */

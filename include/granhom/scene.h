@@ -23,6 +23,9 @@ void gh_scene_destroy(gh_scene **scene);
 void gh_scene_set_engine(gh_scene *scene, gh_engine_kind engine);
 /* false: each integration point is computed, also where others have the same packing and history. */
 void gh_scene_set_sharing(gh_scene *scene, bool share);
+/* For gh_scene_explain: the ranks it would run on (0: this build has no MPI), and whether RVEs stay where
+ * they began. */
+void gh_scene_set_ranks(gh_scene *scene, int ranks, bool no_balance);
 /* Says in words what the scene switches on and what it leaves out. */
 void gh_scene_explain(const gh_scene *scene, gh_text *out);
 
@@ -64,6 +67,7 @@ typedef struct gh_run_options {
 typedef struct gh_run_summary {
   int steps, increments;                 /* done, without the start */
   int iterations, substeps, cuts, jumps; /* of the whole run */
+  int at_once;                           /* planned increments that the next one takes */
   int points, unjammed;                  /* material points; how many of them carry nothing at the end */
   double min_acoustic;                   /* smallest eigenvalue of any acoustic tensor at the end */
   gh_rve_cost cost;                      /* of the material points, summed */

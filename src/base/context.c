@@ -101,7 +101,8 @@ gh_status gh_alloc(gh_context *ctx, size_t count, size_t size, void *p) {
 gh_status gh_grow(gh_context *ctx, size_t need, size_t size, size_t *capacity, void *p) {
   if (need <= *capacity) return GH_OK;
   size_t wanted = *capacity + *capacity / 2 + 16;
-  if (wanted < need) wanted = need;
+  size_t ample = need + need / 8; /* so that a count that wavers grows once */
+  if (wanted < ample || wanted < need) wanted = ample > need ? ample : need;
   void *old, *memory;
   memcpy(&old, p, sizeof old);
   memory = wanted > (size_t)-1 / size ? NULL : realloc(old, wanted * size);

@@ -139,7 +139,7 @@ static gh_status send_states(farm_shared *s, const gh_farm_image *image, const i
   GH_TRY(farm_order(s, rank));
   for (int k = 0; k < image->nstates; k++) {
     if (b->states[list[k]].rank != rank) continue;
-    MPI_Request request;
+    farm_request request;
     farm_send_state(s->comm, rank, image->data + image->start[k], image->start[k + 1] - image->start[k],
                     &request);
     farm_wait(&request, 1);

@@ -8,7 +8,7 @@
 /* A farm of RVEs, on rank 0. */
 typedef struct farm_shared {
   gh_context *ctx;
-  MPI_Comm comm;
+  farm_comm comm;
   int ranks;
   farm_store *store; /* of this rank */
   farm_books books;

@@ -5,7 +5,14 @@
 
 #include "farm/store.h"
 
+/* A build without MPI (make MPI=0) has alone.c in the place of mpi.c and serve.c: a farm of one rank. */
+#ifdef GH_NO_MPI
+typedef int farm_comm, farm_request;
+#else
 #include <mpi.h>
+typedef MPI_Comm farm_comm;
+typedef MPI_Request farm_request;
+#endif
 
 typedef enum farm_command {
   FARM_MAKE = 1,
@@ -43,19 +50,23 @@ typedef struct farm_waiting {
   void *data;
 } farm_waiting;
 
+/* comm is the caller's MPI_Comm *. GH_INPUT: this build has no MPI. */
+gh_status farm_connect(gh_context *ctx, const void *comm, farm_comm *to, int *ranks);
+/* Tells a rank to leave its jobs. */
+void farm_cancel(farm_comm comm, int rank);
 /* Sends and waits until the message is on its way. */
-void farm_send(MPI_Comm comm, int rank, int tag, const farm_message *m);
+void farm_send(farm_comm comm, int rank, int tag, const farm_message *m);
 /* Waits for a message of rank with this tag (MPI_ANY_TAG: any; *tag tells). */
-gh_status farm_receive(gh_context *ctx, MPI_Comm comm, int rank, int *tag, farm_message *m,
+gh_status farm_receive(gh_context *ctx, farm_comm comm, int rank, int *tag, farm_message *m,
                        const farm_waiting *waiting);
 /* A state by itself. */
-void farm_send_state(MPI_Comm comm, int rank, const double *state, size_t size, MPI_Request *request);
+void farm_send_state(farm_comm comm, int rank, const double *state, size_t size, farm_request *request);
 /* Waits for one; its size. */
-size_t farm_next_state(MPI_Comm comm, int rank);
-void farm_receive_state(MPI_Comm comm, int rank, double *state, size_t size);
+size_t farm_next_state(farm_comm comm, int rank);
+void farm_receive_state(farm_comm comm, int rank, double *state, size_t size);
 /* Into a slot. */
-gh_status farm_store_receive(farm_store *store, MPI_Comm comm, int rank, int slot);
-void farm_wait(MPI_Request *requests, int n);
+gh_status farm_store_receive(farm_store *store, farm_comm comm, int rank, int slot);
+void farm_wait(farm_request *requests, int n);
 
 /* Begin of every reply: status and message of the rank. */
 void farm_put_status(farm_message *m, gh_context *ctx, gh_status status);
@@ -70,7 +81,7 @@ bool farm_take_view(farm_message *m, gh_rve_view *view);
 typedef struct farm_transfer {
   int slot, rank;
 } farm_transfer;
-gh_status farm_transfers(gh_context *ctx, farm_store *store, MPI_Comm comm, int nsend,
+gh_status farm_transfers(gh_context *ctx, farm_store *store, farm_comm comm, int nsend,
                          const farm_transfer *send, int nreceive, const farm_transfer *receive);
 
 #endif

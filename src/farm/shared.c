@@ -27,7 +27,7 @@ static bool stop_wanted(const farm_shared *s) {
 static void cancel(farm_shared *s) {
   if (s->cancelled) return;
   s->cancelled = true;
-  for (int r = 1; r < s->ranks; r++) MPI_Send(NULL, 0, MPI_BYTE, r, FARM_TAG_CANCEL, s->comm);
+  for (int r = 1; r < s->ranks; r++) farm_cancel(s->comm, r);
 }
 
 static void while_waiting(void *data) {
@@ -87,10 +87,7 @@ static gh_status tell_setup(farm_shared *s, const gh_farm_setup *setup) {
 }
 
 static gh_status fill(farm_shared *s, const gh_farm_setup *setup) {
-  if (setup->comm) {
-    s->comm = *(const MPI_Comm *)setup->comm;
-    MPI_Comm_size(s->comm, &s->ranks);
-  }
+  if (setup->comm) GH_TRY(farm_connect(s->ctx, setup->comm, &s->comm, &s->ranks));
   GH_TRY(farm_books_create(s->ctx, setup, s->ranks, &s->books));
   GH_TRY(make_store(s, setup));
   return s->ranks > 1 ? tell_setup(s, setup) : GH_OK;

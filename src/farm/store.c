@@ -39,6 +39,7 @@ struct farm_store {
   long ticket;     /* of the last evaluation */
   long version;    /* the last one given out */
   long round, old; /* tickets when the present round and the one before it began */
+  int *cursor;     /* npackings: behind the last space that find_fresh gave in this round */
   gh_rve_cost off; /* cost of RVEs that are gone */
 };
 
@@ -74,6 +75,7 @@ gh_status farm_store_create(gh_context *ctx, int npackings, gh_packing **packing
   memcpy(s->packings, packings, (size_t)npackings * sizeof *packings);
   s->npackings = npackings;
   GH_TRY_OR(gh_alloc(ctx, (size_t)npackings, sizeof *s->fresh, &s->fresh), failed);
+  GH_TRY_OR(gh_alloc(ctx, (size_t)npackings, sizeof *s->cursor, &s->cursor), failed);
   *store = s;
   return GH_OK;
 failed:
@@ -95,6 +97,7 @@ void farm_store_destroy(farm_store **store) {
   }
   free(s->packings);
   free(s->fresh);
+  free(s->cursor);
   free(s->slots);
   free(s->spaces);
   free(s);
@@ -173,12 +176,25 @@ static int pick(const farm_store *s, int packing) {
   return best;
 }
 
+/* A space that is free in this round and holds the packing as read: points start from that state, which no
+ * space has written, until the first commit. -1: none. */
+static int find_fresh(farm_store *s, int packing) {
+  while (s->cursor[packing] < s->nspaces) {
+    int k = s->cursor[packing]++;
+    const space *w = s->spaces + k;
+    if (w->rve && w->packing == packing && w->ticket <= s->round && w->loaded == s->fresh[packing].version)
+      return k;
+  }
+  return -1;
+}
+
 static gh_status choose(farm_store *s, const farm_task *task, int *chosen) {
   int before = task->from == FARM_FRESH ? -1 : s->slots[task->from].space;
   if (before >= 0 && s->spaces[before].packing == task->packing && s->spaces[before].ticket <= s->round &&
       s->spaces[before].rve)
     return *chosen = before, GH_OK;
-  *chosen = -1;
+  *chosen = task->from == FARM_FRESH ? find_fresh(s, task->packing) : -1;
+  if (*chosen >= 0) return GH_OK;
   if (full(s)) *chosen = pick(s, task->packing);
   if (*chosen >= 0 && s->spaces[*chosen].rve) return GH_OK;
   if (*chosen < 0 && full(s)) *chosen = pick(s, -1);
@@ -213,6 +229,7 @@ static double processor_seconds(void) {
 void farm_store_begin(farm_store *s) {
   s->old = s->round;
   s->round = s->ticket;
+  memset(s->cursor, 0, (size_t)s->npackings * sizeof *s->cursor);
 }
 
 static gh_status load(farm_store *s, const farm_task *task, space *w) {

@@ -128,6 +128,9 @@ double gh_system_diagonal(const gh_system *system);
 /* Solves K_ff x_f = b_f; entries of fixed degrees of freedom are not touched. GH_DIVERGED: K_ff is singular.
  */
 gh_status gh_system_solve(gh_system *system, const double *b, double *x);
+/* The same with the factor of the last gh_system_solve since gh_system_constrain, whatever was added since.
+ */
+gh_status gh_system_again(gh_system *system, const double *b, double *x);
 /* The same with the upper triangle of K_ff made positive definite by a multiple of the unit matrix where it
  * is not: x is a direction in which the energy falls. */
 gh_status gh_system_descend(gh_system *system, const double *b, double *x);
@@ -182,8 +185,9 @@ struct gh_macro {
   double *trial;        /* of `next` */
   double *du;
   gh_jump jump;
-  bool started; /* the stress at u = 0 is known */
-  bool solved;  /* an increment was begun */
+  double *elastic; /* npoints x 16: tangents at u = 0 before the first increment; NULL when not in use */
+  bool started;    /* the stress at u = 0 is known */
+  bool solved;     /* an increment was begun */
   double begin, micro_seconds;
 };
 
@@ -191,6 +195,8 @@ struct gh_macro {
  * elements that are turned inside out (GH_DIVERGED).
  */
 gh_status gh_macro_evaluate(gh_macro *m, gh_state *s);
+/* The same with the tangents of another state, which stand in for those that are not asked for. */
+gh_status gh_macro_evaluate_stress(gh_macro *m, gh_state *s, const gh_state *tangents);
 /* Evaluates u = 0 once. */
 gh_status gh_macro_start(gh_macro *m);
 void gh_state_copy(const gh_macro *m, const gh_state *from, gh_state *to);
@@ -207,6 +213,7 @@ typedef struct gh_attempt {
   int substep, iterations;
   double residual, scale; /* of m->now */
   bool released;          /* fading forces do not act */
+  bool present;           /* iterate with present tangents, whatever the option says */
 } gh_attempt;
 
 /* Outer forces at the fraction t and at displacements u, `fade` left out where told. */

@@ -9,6 +9,22 @@ gh_macro_options gh_macro_defaults(void) {
       .tolerance = 1e-8, .max_iterations = 20, .cut_steps = 6, .line_search = true, .pass_jumps = true};
 }
 
+static const char *const tangent_names[] = {"algorithmic", "symmetrised", "frozen", "elastic"};
+
+bool gh_tangent_from_name(const char *name, gh_tangent *tangent) {
+  for (int k = 0; k < 4; k++)
+    if (!strcmp(name, tangent_names[k])) return *tangent = (gh_tangent)k, true;
+  return false;
+}
+
+const char *gh_tangent_name(gh_tangent tangent) {
+  return tangent_names[tangent];
+}
+
+void gh_macro_allow_cuts(gh_macro *m, int cut_steps) {
+  m->options.cut_steps = cut_steps < 0 ? 0 : cut_steps > 40 ? 40 : cut_steps;
+}
+
 static gh_status check_options(gh_context *ctx, const gh_macro_options *o) {
   if (!(o->tolerance > 0 && o->tolerance < 1))
     return gh_fail(ctx, GH_INPUT, "solver: tolerance %g must lie between 0 and 1", o->tolerance);
@@ -16,6 +32,8 @@ static gh_status check_options(gh_context *ctx, const gh_macro_options *o) {
     return gh_fail(ctx, GH_INPUT, "solver: max_iterations %d must be at least 1", o->max_iterations);
   if (o->cut_steps < 0 || o->cut_steps > 40)
     return gh_fail(ctx, GH_INPUT, "solver: cut_steps %d must lie between 0 and 40", o->cut_steps);
+  if (o->tangent < GH_TANGENT_ALGORITHMIC || o->tangent > GH_TANGENT_ELASTIC)
+    return gh_fail(ctx, GH_INPUT, "solver: there is no tangent %d", (int)o->tangent);
   return GH_OK;
 }
 
@@ -64,6 +82,8 @@ static gh_status fill(gh_macro *m) {
   GH_TRY(state_create(m, &m->next));
   for (size_t k = 0; k < sizeof vectors / sizeof *vectors; k++)
     GH_TRY(gh_alloc(m->ctx, (size_t)m->ndof, sizeof(double), vectors[k]));
+  if (m->options.tangent == GH_TANGENT_ELASTIC)
+    GH_TRY(gh_alloc(m->ctx, 16 * (size_t)m->npoints, sizeof *m->elastic, &m->elastic));
   for (size_t k = 0; k < sizeof longer / sizeof *longer; k++)
     GH_TRY(gh_alloc(m->ctx, 2 * (size_t)m->ndof, sizeof(double), longer[k]));
   gh_jump_forget(&m->jump);
@@ -115,6 +135,7 @@ void gh_macro_destroy(gh_macro **macro) {
   free(m->trial);
   free(m->du);
   free(m->jump.u);
+  free(m->elastic);
   free(m);
   *macro = NULL;
 }
@@ -175,10 +196,10 @@ static gh_status check_material(gh_macro *m, const gh_state *s) {
   return GH_OK;
 }
 
-gh_status gh_macro_evaluate(gh_macro *m, gh_state *s) {
+static gh_status evaluate(gh_macro *m, gh_state *s, unsigned want) {
   GH_TRY(deform(m, s));
   double start = gh_seconds();
-  gh_status status = gh_farm_evaluate(m->farm, s->F, GH_WANT_TANGENT, s->P, s->A);
+  gh_status status = gh_farm_evaluate(m->farm, s->F, want, s->P, s->A);
   m->micro_seconds += gh_seconds() - start;
   GH_TRY(status);
   GH_TRY(check_material(m, s));
@@ -191,10 +212,24 @@ gh_status gh_macro_evaluate(gh_macro *m, gh_state *s) {
   return GH_OK;
 }
 
+gh_status gh_macro_evaluate(gh_macro *m, gh_state *s) {
+  return evaluate(m, s, GH_WANT_TANGENT);
+}
+
+/* Points of other kinds than RVEs may write a tangent that was not wanted. */
+gh_status gh_macro_evaluate_stress(gh_macro *m, gh_state *s, const gh_state *tangents) {
+  const size_t bytes = 16 * (size_t)m->npoints * sizeof *s->A;
+  memcpy(s->A, tangents->A, bytes);
+  gh_status status = evaluate(m, s, 0);
+  memcpy(s->A, tangents->A, bytes);
+  return status;
+}
+
 gh_status gh_macro_start(gh_macro *m) {
   if (m->started) return GH_OK;
   gh_status status = gh_macro_evaluate(m, &m->eq);
   if (status != GH_OK) return gh_prefix(m->ctx, status, "stress at the start (u = 0): ");
+  if (m->elastic) memcpy(m->elastic, m->eq.A, 16 * (size_t)m->npoints * sizeof *m->elastic);
   m->started = true;
   return GH_OK;
 }

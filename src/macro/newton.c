@@ -23,6 +23,8 @@ enum { TRIALS = 5, WEAK_STEPS = 3 };
 /* Shortened steps in a row that do not halve the residual: the way it goes before a jump of a packing, where
  * each step ends at the near side. It is given up early, because a cut or a jump is what helps. */
 enum { SLOW_STEPS = 4 };
+/* With a tangent that stays behind, as many iterations must bring the residual down to a tenth. */
+enum { PATIENCE = 10 };
 
 void gh_outer_forces(const gh_macro *m, const gh_loads *to, double t, bool fade, const double *u, double *f) {
   for (int d = 0; d < m->ndof; d++)
@@ -42,13 +44,28 @@ void gh_outer_forces(const gh_macro *m, const gh_loads *to, double t, bool fade,
     }
 }
 
+/* One factorisation serves all iterations of a part. */
+static bool keeps_factor(const gh_macro *m, const gh_attempt *a) {
+  const gh_tangent t = m->options.tangent;
+  return (t == GH_TANGENT_FROZEN || t == GH_TANGENT_ELASTIC) && !a->present && !a->released;
+}
+
+static void symmetrise(int n, double *K) {
+  for (int i = 0; i < n; i++)
+    for (int j = 0; j < i; j++) K[n * i + j] = K[n * j + i] = 0.5 * (K[n * i + j] + K[n * j + i]);
+}
+
+/* The way down beyond a jump goes by the tangents of where it is, whatever the choice (gh_follow). */
 static void assemble(gh_macro *m, const gh_attempt *a) {
+  const bool halves = m->options.tangent == GH_TANGENT_SYMMETRISED && !a->released;
+  const double *A = m->elastic && keeps_factor(m, a) ? m->elastic : m->now.A;
   gh_system_clear(m->system);
   for (int e = 0; e < m->mesh->nelements; e++) {
     double K[8][8];
     int dof[8];
     for (int k = 0; k < 8; k++) dof[k] = 2 * m->mesh->quad[e][k / 2] + k % 2;
-    gh_element_stiffness(&m->shapes, e, m->now.A + 64 * e, K);
+    gh_element_stiffness(&m->shapes, e, A + 64 * e, K);
+    if (halves) symmetrise(8, K[0]);
     gh_system_add(m->system, 8, dof, K[0]);
   }
   const gh_edge_loads *lists[2] = {&m->follow, &a->to->follow};
@@ -59,6 +76,7 @@ static void assemble(gh_macro *m, const gh_attempt *a) {
       int dof[4] = {2 * edge->a, 2 * edge->a + 1, 2 * edge->b, 2 * edge->b + 1};
       double K[4][4];
       gh_edge_stiffness(share[l] * edge->pressure, K);
+      if (halves) symmetrise(4, K[0]);
       gh_system_add(m->system, 4, dof, K[0]);
     }
   if (m->nfootings == 0) return;
@@ -122,7 +140,8 @@ static gh_status try_step(gh_macro *m, gh_attempt *a, double s, double *residual
     gh_footing_move(m->mesh, m->footing + k, (const double[3]){s * q[0], s * q[1], s * q[2]}, m->now.u,
                     m->next.u);
   }
-  GH_TRY(gh_macro_evaluate(m, &m->next));
+  if (keeps_factor(m, a)) GH_TRY(gh_macro_evaluate_stress(m, &m->next, &m->now));
+  else GH_TRY(gh_macro_evaluate(m, &m->next));
   find_residual(m, a, &m->next, NULL, m->trial);
   measure(m, a, m->trial, residual, scale);
   *work = along(m, a, m->trial);
@@ -225,16 +244,18 @@ static void report(const gh_macro *m, const gh_attempt *a, int iteration, double
   m->watch(m->watch_data, &it);
 }
 
-static gh_status direction(gh_macro *m) {
+static gh_status direction(gh_macro *m, bool again) {
   for (int d = 0; d < entries(m); d++) m->trial[d] = -m->residual[d];
-  gh_status status = gh_system_solve(m->system, m->trial, m->du);
+  gh_status status =
+      again ? gh_system_again(m->system, m->trial, m->du) : gh_system_solve(m->system, m->trial, m->du);
   if (status != GH_DIVERGED) return status;
   char text[256] = "";
   gh_name_unjammed(m, text, sizeof text);
   return gh_fail(m->ctx, status, "%s%s%s", gh_message(m->ctx), *text ? ": " : "", text);
 }
 
-gh_status gh_newton(gh_macro *m, gh_attempt *a) {
+static gh_status iterate(gh_macro *m, gh_attempt *a) {
+  const int done = a->iterations;
   int weak = 0, slow = 0;
   gh_jump_forget(&m->jump);
   gh_state_copy(m, &m->eq, &m->now);
@@ -242,17 +263,17 @@ gh_status gh_newton(gh_macro *m, gh_attempt *a) {
   bool moved = prescribe(m, a);
   find_residual(m, a, &m->now, moved ? m->du : NULL, m->residual);
   measure(m, a, m->residual, &a->residual, &a->scale);
-  double first = a->residual, step = 1;
+  double first = a->residual, mark = first, step = 1;
   report(m, a, 0, first, step);
   for (int k = 0; moved || a->residual > limit(m, a->scale); k++) {
     if (k == m->options.max_iterations)
       return gh_fail(m->ctx, GH_DIVERGED, "not converged after %d iterations", m->options.max_iterations);
     if (k > 0) {
-      assemble(m, a);
+      if (!keeps_factor(m, a)) assemble(m, a);
       memset(m->du, 0, (size_t)entries(m) * sizeof *m->du);
     }
     double before = a->residual;
-    GH_TRY(direction(m));
+    GH_TRY(direction(m, k > 0 && keeps_factor(m, a)));
     GH_TRY(moved || !m->options.line_search ? full_step(m, a) : search(m, a, &step, &weak));
     moved = false;
     a->iterations++;
@@ -261,8 +282,25 @@ gh_status gh_newton(gh_macro *m, gh_attempt *a) {
     if (slow == SLOW_STEPS && a->residual > limit(m, a->scale))
       return gh_fail(m->ctx, GH_DIVERGED, "the residual creeps: %d shortened steps in a row did not halve it",
                      slow);
+    if (!keeps_factor(m, a) || (k + 1) % PATIENCE > 0) continue;
+    if (a->residual > 0.1 * mark && a->residual > limit(m, a->scale))
+      return gh_fail(m->ctx, GH_DIVERGED, "%d iterations did not bring the residual down to a tenth",
+                     PATIENCE);
+    mark = a->residual;
   }
-  return GH_OK;
+  /* Tangents for what comes next; an increment that was in equilibrium at once has those of the last. */
+  return keeps_factor(m, a) && a->iterations > done ? gh_macro_evaluate(m, &m->now) : GH_OK;
+}
+
+/* A tangent that stays behind may be too far behind; and what looks like a jump from there need not be one,
+ * for that is told by the departure from the present tangent. So a failure is one only with that. */
+gh_status gh_newton(gh_macro *m, gh_attempt *a) {
+  a->present = false;
+  gh_status status = iterate(m, a);
+  if (status != GH_DIVERGED || !keeps_factor(m, a)) return status;
+  GH_TRY(gh_farm_revert(m->farm));
+  a->present = true;
+  return iterate(m, a);
 }
 
 /* One step down the energy: the longest of a few trials that does not overshoot the minimum along the

@@ -39,7 +39,7 @@ struct gh_system {
   double *free_value, *b, *x;
   cholmod_common common;
   cholmod_factor *factor;
-  void *symbolic; /* of UMFPACK */
+  void *symbolic, *numeric; /* of UMFPACK */
   char method;
 };
 
@@ -131,6 +131,7 @@ failed:
 }
 
 static void forget_analysis(gh_system *s) {
+  if (s->numeric) umfpack_di_free_numeric(&s->numeric);
   if (s->factor) cholmod_free_factor(&s->factor, &s->common);
   if (s->symbolic) umfpack_di_free_symbolic(&s->symbolic);
 }
@@ -313,6 +314,17 @@ static bool is_symmetric(const gh_system *s) {
   return difference <= asymmetry * largest;
 }
 
+static gh_status substitute_cholmod(gh_system *s) {
+  size_t n = (size_t)s->nfree;
+  cholmod_dense b = {
+      .nrow = n, .ncol = 1, .nzmax = n, .d = n, .x = s->b, .xtype = CHOLMOD_REAL, .dtype = CHOLMOD_DOUBLE};
+  cholmod_dense *x = cholmod_solve(CHOLMOD_A, s->factor, &b, &s->common);
+  if (!x) return gh_fail(s->ctx, GH_MEMORY, "no memory to solve %zu equations", n);
+  memcpy(s->x, x->x, n * sizeof *s->x);
+  cholmod_free_dense(&x, &s->common);
+  return GH_OK;
+}
+
 /* GH_DIVERGED without a message: not positive definite. */
 static gh_status solve_cholmod(gh_system *s) {
   size_t n = (size_t)s->nfree;
@@ -329,8 +341,6 @@ static gh_status solve_cholmod(gh_system *s) {
                       .dtype = CHOLMOD_DOUBLE,
                       .sorted = 1,
                       .packed = 1};
-  cholmod_dense b = {
-      .nrow = n, .ncol = 1, .nzmax = n, .d = n, .x = s->b, .xtype = CHOLMOD_REAL, .dtype = CHOLMOD_DOUBLE};
   if (!s->factor) s->factor = cholmod_analyze(&K, common);
   if (!s->factor) return gh_fail(s->ctx, GH_MEMORY, "no memory to analyse %zu equations", n);
   cholmod_factorize(&K, s->factor, common);
@@ -338,11 +348,7 @@ static gh_status solve_cholmod(gh_system *s) {
     return gh_fail(s->ctx, GH_MEMORY, "no memory to factorise %zu equations", n);
   if (common->status != CHOLMOD_OK || s->factor->minor < n || !(cholmod_rcond(s->factor, common) > singular))
     return GH_DIVERGED;
-  cholmod_dense *x = cholmod_solve(CHOLMOD_A, s->factor, &b, common);
-  if (!x) return gh_fail(s->ctx, GH_MEMORY, "no memory to solve %zu equations", n);
-  memcpy(s->x, x->x, n * sizeof *s->x);
-  cholmod_free_dense(&x, common);
-  return GH_OK;
+  return substitute_cholmod(s);
 }
 
 static gh_status umfpack_failure(gh_system *s, int code) {
@@ -353,19 +359,24 @@ static gh_status umfpack_failure(gh_system *s, int code) {
   return gh_fail(s->ctx, GH_INTERNAL, "UMFPACK reports error %d", code);
 }
 
+static gh_status substitute_umfpack(gh_system *s) {
+  double info[UMFPACK_INFO];
+  int code = umfpack_di_solve(UMFPACK_A, s->free_start, s->free_row, s->free_value, s->x, s->b, s->numeric,
+                              NULL, info);
+  return code == UMFPACK_OK ? GH_OK : umfpack_failure(s, code);
+}
+
 static gh_status solve_umfpack(gh_system *s) {
   double info[UMFPACK_INFO];
-  void *numeric = NULL;
   const int *p = s->free_start, *i = s->free_row;
   int code = s->symbolic
                  ? UMFPACK_OK
                  : umfpack_di_symbolic(s->nfree, s->nfree, p, i, s->free_value, &s->symbolic, NULL, info);
-  if (code == UMFPACK_OK) code = umfpack_di_numeric(p, i, s->free_value, s->symbolic, &numeric, NULL, info);
-  if (code == UMFPACK_OK && !(info[UMFPACK_RCOND] > singular)) code = UMFPACK_WARNING_singular_matrix;
+  if (s->numeric) umfpack_di_free_numeric(&s->numeric);
   if (code == UMFPACK_OK)
-    code = umfpack_di_solve(UMFPACK_A, p, i, s->free_value, s->x, s->b, numeric, NULL, info);
-  if (numeric) umfpack_di_free_numeric(&numeric);
-  return code == UMFPACK_OK ? GH_OK : umfpack_failure(s, code);
+    code = umfpack_di_numeric(p, i, s->free_value, s->symbolic, &s->numeric, NULL, info);
+  if (code == UMFPACK_OK && !(info[UMFPACK_RCOND] > singular)) code = UMFPACK_WARNING_singular_matrix;
+  return code == UMFPACK_OK ? substitute_umfpack(s) : umfpack_failure(s, code);
 }
 
 static double value_of(const gh_system *s, int k, bool symmetric) {
@@ -415,6 +426,14 @@ gh_status gh_system_descend(gh_system *s, const double *b, double *x) {
   return gh_fail(s->ctx, GH_DIVERGED, "the stiffness matrix is singular");
 }
 
+/* The solution in s->x to where it belongs. */
+static gh_status give(gh_system *s, double *x) {
+  if (!gh_finite(s->x, (size_t)s->nfree))
+    return gh_fail(s->ctx, GH_DIVERGED, "the stiffness matrix is singular");
+  for (int c = 0; c < s->nfree; c++) x[s->dof[c]] = s->x[c];
+  return GH_OK;
+}
+
 gh_status gh_system_solve(gh_system *s, const double *b, double *x) {
   if (s->nfree == 0) return GH_OK;
   take(s, b, false);
@@ -428,8 +447,12 @@ gh_status gh_system_solve(gh_system *s, const double *b, double *x) {
     status = solve_umfpack(s);
   }
   GH_TRY(status);
-  if (!gh_finite(s->x, (size_t)s->nfree))
-    return gh_fail(s->ctx, GH_DIVERGED, "the stiffness matrix is singular");
-  for (int c = 0; c < s->nfree; c++) x[s->dof[c]] = s->x[c];
-  return GH_OK;
+  return give(s, x);
+}
+
+gh_status gh_system_again(gh_system *s, const double *b, double *x) {
+  if (s->nfree == 0) return GH_OK;
+  for (int c = 0; c < s->nfree; c++) s->b[c] = b[s->dof[c]];
+  GH_TRY(s->method == 'c' ? substitute_cholmod(s) : substitute_umfpack(s));
+  return give(s, x);
 }

@@ -14,16 +14,18 @@ typedef struct piece {
   size_t n;
 } piece;
 
-static int pieces(const gh_macro *m, piece list[8]) {
+enum { PIECES = 9 };
+static int pieces(const gh_macro *m, piece list[PIECES]) {
   size_t d = (size_t)m->ndof, n = (size_t)m->npoints;
-  const piece all[8] = {{m->eq.u, d},    {m->eq.F, 4 * n}, {m->eq.P, 4 * n}, {m->eq.A, 16 * n},
-                        {m->eq.fint, d}, {m->reaction, d}, {m->f0, d},       {m->force, d}};
+  const piece all[PIECES] = {{m->eq.u, d},      {m->eq.F, 4 * n}, {m->eq.P, 4 * n},
+                             {m->eq.A, 16 * n}, {m->eq.fint, d},  {m->reaction, d},
+                             {m->f0, d},        {m->force, d},    {m->elastic, 16 * n}};
   memcpy(list, all, sizeof all);
-  return 8;
+  return m->elastic ? PIECES : PIECES - 1;
 }
 
 static size_t size_for(const gh_macro *m, size_t edges, size_t footings) {
-  piece list[8];
+  piece list[PIECES];
   size_t size = HEAD + EDGE * edges + FOOTING * footings;
   for (int k = 0, n = pieces(m, list); k < n; k++) size += list[k].n;
   return size;
@@ -34,7 +36,7 @@ size_t gh_macro_state_size(const gh_macro *m) {
 }
 
 void gh_macro_save(const gh_macro *m, double *state) {
-  piece list[8];
+  piece list[PIECES];
   const double head[HEAD] = {m->ndof, m->npoints, m->follow.n, m->started, m->solved, m->nfootings};
   memcpy(state, head, sizeof head);
   state += HEAD;
@@ -75,7 +77,7 @@ static gh_status load_footings(gh_macro *m, const double *state, int count) {
 }
 
 gh_status gh_macro_load(gh_macro *m, const double *state, size_t size) {
-  piece list[8];
+  piece list[PIECES];
   double edges = size >= HEAD ? state[2] : -1, footings = size >= HEAD ? state[5] : -1;
   if (!(edges >= 0 && edges < 1e9 && footings >= 0 && footings < 1e9) || state[0] != m->ndof ||
       state[1] != m->npoints || size != size_for(m, (size_t)edges, (size_t)footings))

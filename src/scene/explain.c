@@ -28,10 +28,12 @@ static void explain_left_out(const gh_scene *s, bool relaxes, bool turns, gh_tex
                               : "relaxation, factorisation of the grains' stiffness";
   const char *hardening =
       law->friction && law->hardening == 0 ? "hardening of contacts that have opened" : "";
-  const char *parts[] = {friction, turn, moves, hardening};
+  const bool stays = s->solver.tangent == GH_TANGENT_FROZEN || s->solver.tangent == GH_TANGENT_ELASTIC;
+  const char *tangents = stays ? "tangents of the packings but at the end of an increment" : "";
+  const char *parts[] = {friction, turn, moves, hardening, tangents};
   const char *join = "";
   gh_text_print(out, "left out          ");
-  for (int k = 0; k < 4; k++) {
+  for (int k = 0; k < 5; k++) {
     if (!*parts[k]) continue;
     gh_text_print(out, "%s%s", join, parts[k]);
     join = "; ";
@@ -99,22 +101,85 @@ static void explain_micro(const gh_scene *s, gh_text *out) {
   explain_left_out(s, relaxes, turns, out);
 }
 
-static void explain_solver(const gh_scene *s, gh_text *out) {
-  bool follows = s->confinement_follow > 0;
+static bool pressure_follows(const gh_scene *s) {
+  bool follows = s->start == SCENE_START_CONFINEMENT && s->confinement_follow > 0;
   for (int k = 0; k < s->nsteps; k++)
     for (int j = 0; j < s->steps[k].npressures; j++) follows = follows || s->steps[k].pressures[j].follow;
-  gh_text_print(out,
-                "solver            Newton with the consistent tangent, %s line search, tolerance %g, at most "
-                "%d iterations\n",
+  return follows;
+}
+
+static bool has_footing(const gh_scene *s) {
+  for (int k = 0; k < s->nsteps; k++)
+    if (s->steps[k].nfootings > 0) return true;
+  return false;
+}
+
+static void explain_systems(const gh_scene *s, gh_text *out) {
+  const char *why = pressure_follows(s) && s->micro.law.friction ? "friction, pressure that follows the edge"
+                    : pressure_follows(s)                        ? "pressure that follows the edge"
+                    : s->micro.law.friction                      ? "friction"
+                                                                 : NULL;
+  const bool halves = s->solver.tangent == GH_TANGENT_SYMMETRISED;
+  gh_text_print(out, "linear systems    %d unknowns at most, ", 2 * s->mesh->nnodes);
+  if (why && !halves) gh_text_print(out, "unsymmetric (%s): UMFPACK\n", why);
+  else
+    gh_text_print(out, "%s: CHOLMOD, and UMFPACK where they are not positive definite\n",
+                  why ? "made symmetric" : "symmetric (no friction, dead loads)");
+  if (has_footing(s))
+    gh_text_print(out,
+                  "                  nodes of footings are eliminated: three unknowns for each footing\n");
+}
+
+static void explain_solver(const gh_scene *s, gh_text *out) {
+  static const char *const matrix[] = {
+      [GH_TANGENT_ALGORITHMIC] = "the consistent tangent",
+      [GH_TANGENT_SYMMETRISED] = "the symmetric part of the consistent tangent",
+      [GH_TANGENT_FROZEN] = "the tangent of the last equilibrium, factorised once for an increment",
+      [GH_TANGENT_ELASTIC] = "the tangent of the packings as read, factorised once for an increment"};
+  gh_text_print(out, "solver            Newton with %s,\n", matrix[s->solver.tangent]);
+  gh_text_print(out, "                  %s line search, tolerance %g, at most %d iterations\n",
                 s->solver.line_search ? "with" : "without", s->solver.tolerance, s->solver.max_iterations);
   gh_text_print(
       out,
       "                  an increment that fails is halved up to %d times; jumps of the packings are %s\n",
       s->solver.cut_steps, s->solver.pass_jumps ? "passed and counted" : "not passed");
-  gh_text_print(out, "linear systems    %d unknowns at most, %s\n", 2 * s->mesh->nnodes,
-                follows                 ? "unsymmetric: pressure that follows the edge"
-                : s->micro.law.friction ? "unsymmetric: friction"
-                                        : "symmetric (no friction, dead loads)");
+  if (s->at_once > 1)
+    gh_text_print(
+        out,
+        "increments        automatic: up to %d planned ones at once after easy ones, fewer after hard "
+        "ones\n",
+        s->at_once);
+  explain_systems(s, out);
+}
+
+static void explain_share(const char *what, int count, int points, gh_text *out) {
+  if (count == 0) return;
+  if (count < 0 || count >= points) gh_text_print(out, "; %s of all points", what);
+  else gh_text_print(out, "; %s of %d point%s", what, count, count == 1 ? "" : "s");
+}
+
+/* Which files, and who works. */
+static void explain_run(const gh_scene *s, gh_text *out) {
+  const int points = 4 * s->mesh->nelements;
+  const bool few = s->nrves == SCENE_FEW_RVES && points <= SCENE_FEW;
+  gh_text_print(out, "results           loads, reactions, residuals as text");
+  if (gh_h5_available()) {
+    gh_text_print(out, "; fields for ParaView (HDF5)");
+    if (s->nrves == SCENE_FEW_RVES && !few)
+      gh_text_print(out, "; grains and contacts of the first, the most loaded and the least stable point");
+    else explain_share("grains and contacts", few ? -1 : s->nrves, points, out);
+    gh_text_print(out, "; checkpoints");
+  } else {
+    gh_text_print(out, "; no fields, grains and checkpoints: built without HDF5");
+  }
+  explain_share("LAMMPS dumps", s->ndumps, points, out);
+  gh_text_print(out, "\n");
+  if (s->ranks == 0) gh_text_print(out, "ranks             one: built without MPI\n");
+  else if (s->ranks == 1) gh_text_print(out, "ranks             one: nothing is sent\n");
+  else
+    gh_text_print(out,
+                  "ranks             %d: rank 0 assembles and solves, all of them compute RVEs, which %s\n",
+                  s->ranks, s->no_balance ? "stay where they began" : "move to where the load is low");
 }
 
 static void explain_start(const gh_scene *s, gh_text *out) {
@@ -133,6 +198,7 @@ void gh_scene_explain(const gh_scene *s, gh_text *out) {
   explain_micro(s, out);
   explain_sharing(s, out);
   explain_solver(s, out);
+  explain_run(s, out);
   explain_start(s, out);
   for (int k = 0; k < s->nsteps; k++) {
     const scene_step *step = s->steps + k;

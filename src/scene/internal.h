@@ -83,6 +83,9 @@ struct gh_scene {
   bool no_share;
   int resident; /* RVEs kept ready on a rank; 0: by memory */
   gh_macro_options solver;
+  int at_once; /* planned increments that one may take; 1: as planned */
+  int ranks;   /* to be told by gh_scene_explain; 0: a build without MPI */
+  bool no_balance;
   scene_start start;
   int start_line;
   double confinement;

@@ -290,11 +290,38 @@ static gh_status read_start(gh_scene *s, node root) {
 
 /* ---- solver, the whole ---- */
 
+/* Frozen and elastic tangents converge linearly, in cheap iterations. */
+enum { PATIENT_ITERATIONS = 200, AT_ONCE = 16, MOST_AT_ONCE = 1 << 10 };
+
+static gh_status read_tangent(gh_scene *s, node solver) {
+  node n = gh_yaml_get(solver, "tangent");
+  const char *word;
+  if (!gh_yaml_has(n)) return GH_OK;
+  GH_TRY(gh_yaml_text(n, "tangent", &word));
+  if (!gh_tangent_from_name(word, &s->solver.tangent))
+    return gh_yaml_fail(n, "tangent '%s' is none of algorithmic, symmetrised, frozen, elastic", word);
+  if (s->solver.tangent == GH_TANGENT_FROZEN || s->solver.tangent == GH_TANGENT_ELASTIC)
+    s->solver.max_iterations = PATIENT_ITERATIONS;
+  return GH_OK;
+}
+
+static gh_status read_increments(gh_scene *s, node solver) {
+  int automatic;
+  node n = gh_yaml_get(solver, "at_once");
+  s->at_once = 1;
+  GH_TRY(optional_choice(solver, "increments", (const char *[]){"planned", "automatic"}, &automatic));
+  if (!automatic && gh_yaml_has(n)) return gh_yaml_fail(n, "at_once needs `increments: automatic`");
+  if (automatic) s->at_once = AT_ONCE;
+  return optional_integer(solver, "at_once", 1, MOST_AT_ONCE, &s->at_once);
+}
+
 static gh_status read_solver(gh_scene *s, node root) {
   node solver = gh_yaml_get(root, "solver"), n;
+  s->at_once = 1;
   if (!gh_yaml_has(solver)) return GH_OK;
   GH_TRY(scene_map(solver, "solver",
-                   KEYS("method", "tolerance", "line_search", "max_iterations", "cut_steps", "pass_jumps")));
+                   KEYS("method", "tolerance", "line_search", "max_iterations", "cut_steps", "pass_jumps",
+                        "tangent", "increments", "at_once")));
   if (gh_yaml_has(n = gh_yaml_get(solver, "method"))) {
     const char *word;
     GH_TRY(gh_yaml_text(n, "method", &word));
@@ -304,6 +331,8 @@ static gh_status read_solver(gh_scene *s, node root) {
   GH_TRY(fraction(solver, "tolerance", &s->solver.tolerance));
   GH_TRY(scene_optional_bool(solver, "line_search", &s->solver.line_search));
   GH_TRY(scene_optional_bool(solver, "pass_jumps", &s->solver.pass_jumps));
+  GH_TRY(read_tangent(s, solver));
+  GH_TRY(read_increments(s, solver));
   GH_TRY(optional_integer(solver, "max_iterations", 1, 10000, &s->solver.max_iterations));
   return optional_integer(solver, "cut_steps", 0, 30, &s->solver.cut_steps);
 }
@@ -353,6 +382,7 @@ gh_status gh_scene_read(gh_context *ctx, const char *path, gh_scene **scene) {
   s->micro.boundary = GH_PERIODIC;
   s->micro.engine = GH_ENGINE_LAMMPS;
   s->solver = gh_macro_defaults();
+  s->ranks = 1;
   GH_TRY_OR(scene_copy_text(ctx, path, &s->path), done);
   folder = gh_path_folder(path);
   if (!folder) {
@@ -406,4 +436,9 @@ void gh_scene_set_engine(gh_scene *scene, gh_engine_kind engine) {
 
 void gh_scene_set_sharing(gh_scene *scene, bool share) {
   scene->no_share = !share;
+}
+
+void gh_scene_set_ranks(gh_scene *scene, int ranks, bool no_balance) {
+  scene->ranks = ranks;
+  scene->no_balance = no_balance;
 }

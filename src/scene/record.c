@@ -28,13 +28,14 @@ static void number(cJSON *o, const char *name, double value) {
   else cJSON_AddNullToObject(o, name);
 }
 
-static void add_program(cJSON *root) {
+/* Asking LAMMPS for its version opens it, and MPI: not for a scene that does without. */
+static void add_program(cJSON *root, const gh_scene *s) {
   cJSON *o = group(root, "program");
   text(o, "name", "granhom");
   text(o, "version", GH_VERSION);
   text(o, "compiler", __VERSION__);
   text(o, "flags", GH_BUILD_FLAGS);
-  number(o, "lammps", gh_engine_lammps_version());
+  number(o, "lammps", s->micro.engine == GH_ENGINE_LAMMPS ? gh_engine_lammps_version() : NAN);
 }
 
 static void add_machine(cJSON *root) {
@@ -65,6 +66,8 @@ static void add_options(cJSON *root, const gh_scene *s, const gh_farm *farm) {
   number(solver, "max_iterations", s->solver.max_iterations);
   number(solver, "cut_steps", s->solver.cut_steps);
   truth(solver, "line_search", s->solver.line_search);
+  text(solver, "tangent", gh_tangent_name(s->solver.tangent));
+  number(solver, "at_once", s->at_once);
   truth(solver, "pass_jumps", s->solver.pass_jumps);
   text(start, "kind", starts[s->start]);
   number(start, "confinement", s->start == SCENE_START_CONFINEMENT ? s->confinement : NAN);
@@ -137,7 +140,7 @@ char *scene_run_json(const gh_scene *scene, const gh_farm *farm, const char *sta
   text(root, "status", status);
   if (message && *message) text(root, "message", message);
   text(root, "started", started);
-  add_program(root);
+  add_program(root, scene);
   add_machine(root);
   add_options(root, scene, farm);
   add_driven(root, scene);

@@ -25,6 +25,10 @@ gh_status gh_report_write(gh_context *ctx, const char *folder, const int *points
                                                     report_packings, report_convergence, report_time,
                                                     report_options};
   report r;
+  if (!gh_h5_available())
+    return gh_fail(
+        ctx, GH_INPUT,
+        "%s: a report is made of results.h5, and this granhom was built without HDF5 (make HDF5=0)", folder);
   gh_status status = report_open(ctx, folder, points, npoints, &r);
   if (status == GH_OK) {
     print_begin(&r);

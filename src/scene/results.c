@@ -93,8 +93,10 @@ static gh_status begin(scene_results *r) {
   if (r->begun) return GH_OK;
   GH_TRY(gh_folder_make(r->ctx, r->folder));
   scene_history_header(r);
-  static const char *const old[] = {"rves.h5", "traces.h5", "checkpoint.h5"};
-  for (size_t k = 0; k < sizeof old / sizeof *old; k++) GH_TRY(remove_old(r, old[k]));
+  static const char *const old[] = {"rves.h5",    "traces.h5",    "checkpoint.h5",
+                                    "results.h5", "results.xdmf", "points.xdmf"};
+  size_t count = sizeof old / sizeof *old; /* the last three are replaced by the first increment */
+  for (size_t k = 0; k < (gh_h5_available() ? 3 : count); k++) GH_TRY(remove_old(r, old[k]));
   r->begun = true;
   return write_json(r, "running", NULL, NULL);
 }
@@ -127,17 +129,21 @@ static gh_status write_tables(scene_results *r) {
 }
 
 /* results.h5 comes first: the others may then refer to what is in it. */
-gh_status scene_results_write(scene_results *r, const scene_frame *f) {
-  GH_TRY(begin(r));
-  look_at_points(r);
+static gh_status write_fields(scene_results *r, const scene_frame *f) {
   GH_TRY(scene_write_h5(r, f));
-  r->frames++;
   GH_TRY(scene_write_rves(r, f));
-  GH_TRY(scene_write_dumps(r, f));
   scene_xdmf_step(r->xdmf, r->scene->mesh, f);
   GH_TRY(write_xdmf(r, r->xdmf, "results.xdmf"));
   scene_xdmf_points(r->points_xdmf, r->scene->mesh, f);
-  GH_TRY(write_xdmf(r, r->points_xdmf, "points.xdmf"));
+  return write_xdmf(r, r->points_xdmf, "points.xdmf");
+}
+
+gh_status scene_results_write(scene_results *r, const scene_frame *f) {
+  GH_TRY(begin(r));
+  look_at_points(r);
+  if (gh_h5_available()) GH_TRY(write_fields(r, f));
+  r->frames++;
+  GH_TRY(scene_write_dumps(r, f));
   scene_history_row(r, f);
   return write_tables(r);
 }

@@ -108,6 +108,7 @@ static void sum_up(run *r) {
 
 /* A checkpoint of the increment that is complete now; to disk when it is due. */
 static gh_status keep(run *r) {
+  if (!gh_h5_available()) return GH_OK;
   double begin = gh_seconds();
   int every = r->options && r->options->checkpoint_every > 0 ? r->options->checkpoint_every : 1;
   scene_position here = {
@@ -153,6 +154,28 @@ static gh_status resume(run *r, bool *resumed) {
 
 /* ---- one increment solved ---- */
 
+/* Increments that are solved with ease take twice as many planned ones at once, those that are hard half as
+ * many. Cuts reach down to the same part of a planned increment whatever is taken at once. */
+static void adapt(run *r, const gh_macro_report *report) {
+  const gh_scene *s = r->scene;
+  const int most = s->solver.max_iterations;
+  if (r->step == 0 || s->at_once <= 1) return;
+  const bool hard = report->cuts > 0 || report->jumps > 0 || 2 * report->iterations > most,
+             easy = !hard && 3 * report->iterations <= most;
+  if (hard) r->sum.at_once = r->sum.at_once > 1 ? r->sum.at_once / 2 : 1;
+  if (easy) r->sum.at_once = 2 * r->sum.at_once <= s->at_once ? 2 * r->sum.at_once : s->at_once;
+}
+
+/* The planned increment at which the one after `before` ends. */
+static int next_end(run *r, int before) {
+  int left = gh_scene_increments(r->scene, r->step) - before, taken = r->sum.at_once, halvings = 0;
+  if (r->scene->at_once <= 1) return before + 1;
+  if (taken > left) taken = left;
+  for (int k = taken; k > 1; k = (k + 1) / 2) halvings++;
+  gh_macro_allow_cuts(r->macro, r->scene->solver.cut_steps + halvings);
+  return before + taken;
+}
+
 static gh_status solve(run *r) {
   gh_macro_report report = {0};
   gh_status status = gh_macro_solve(r->macro, r->loads, &report);
@@ -163,6 +186,7 @@ static gh_status solve(run *r) {
                      gh_scene_increments(r->scene, r->step));
   GH_TRY(write_frame(r, &report));
   tell_increment(r, &report);
+  adapt(r, &report);
   r->sum.increments += r->step > 0;
   r->sum.steps += r->step > 0 && r->increment == gh_scene_increments(r->scene, r->step);
   GH_TRY(keep(r));
@@ -223,6 +247,13 @@ static gh_status note_begin(run *r) {
   return GH_OK;
 }
 
+/* The plan begins a step when it is asked for its first increment. */
+static gh_status plan(run *r, bool begins) {
+  const double *u = gh_macro_u(r->macro);
+  if (begins && r->increment > 1) GH_TRY(gh_scene_loads(r->scene, r->step, 1, u, r->loads));
+  return gh_scene_loads(r->scene, r->step, r->increment, u, r->loads);
+}
+
 /* The increments of a step from `first` on. */
 static gh_status run_step(run *r, int step, int first) {
   int increments = gh_scene_increments(r->scene, step);
@@ -231,10 +262,11 @@ static gh_status run_step(run *r, int step, int first) {
   gh_status status = GH_OK;
   int k = first;
   for (; k <= increments; k++) {
-    r->increment = k;
+    bool begins = k == 1;
+    r->increment = k = next_end(r, k - 1);
     GH_TRY_OR(ask_stop(r), done);
-    if (k == 1) GH_TRY_OR(note_begin(r), done);
-    GH_TRY_OR(gh_scene_loads(r->scene, step, k, gh_macro_u(r->macro), r->loads), done);
+    if (begins) GH_TRY_OR(note_begin(r), done);
+    GH_TRY_OR(plan(r, begins), done);
     GH_TRY_OR(solve(r), done);
     gh_work_advance(r->ctx, &r->work, k);
   }
@@ -266,8 +298,21 @@ static gh_status make_farm(run *r) {
   return gh_farm_create_shared(r->ctx, &setup, &r->farm);
 }
 
+static gh_status check_build(const run *r) {
+  if (gh_h5_available()) return GH_OK;
+  if (r->options && r->options->restart)
+    return gh_fail(r->ctx, GH_INPUT,
+                   "--restart needs a checkpoint, and this granhom was built without HDF5 (make HDF5=0)");
+  gh_log(
+      r->ctx, GH_LEVEL_WARNING,
+      "built without HDF5 (make HDF5=0): no fields (results.h5, rves.h5, traces.h5 and their XDMF files) and "
+      "no checkpoints are written; history.csv, convergence.csv, timing.csv, run.json and dumps are");
+  return GH_OK;
+}
+
 static gh_status open_run(run *r, const char *folder) {
   const gh_scene *s = r->scene;
+  GH_TRY(check_build(r));
   GH_TRY(scene_results_check(r->ctx, folder));
   r->sum.points = 4 * s->mesh->nelements;
   GH_TRY(gh_alloc(r->ctx, (size_t)s->nsteps + 1, sizeof *r->begin_u, &r->begin_u));
@@ -296,7 +341,8 @@ static gh_status close_run(run *r, gh_status status) {
 
 gh_status gh_scene_run(gh_scene *scene, const char *folder, const gh_run_options *options,
                        gh_run_summary *summary) {
-  run r = {.scene = scene, .ctx = scene->ctx, .options = options, .begin = gh_seconds()};
+  run r = {
+      .scene = scene, .ctx = scene->ctx, .options = options, .begin = gh_seconds(), .sum = {.at_once = 1}};
   gh_status status = open_run(&r, folder);
   if (status == GH_OK) {
     status = run_all(&r);

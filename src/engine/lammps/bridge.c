@@ -57,7 +57,7 @@ typedef struct bridge {
   void *lmp;
   int n;
   bool periodic;
-  bool started; /* LAMMPS is set up: the next run may go without */
+  bool started; /* LAMMPS is set up */
   bool valid;   /* LAMMPS's state belongs to `given` and what relaxation made of it */
   bool relaxed; /* the free grains have moved from `given` */
   double cell[4], q[4], t[4];
@@ -223,8 +223,8 @@ static gh_status write_rotations(bridge *e) {
   return gh_lmp_set_rotations(e->ctx, e->lmp, e->law.fixed_rotations ? e->theta_n : e->theta);
 }
 
-/* LAMMPS evaluates the forces at the given positions; write puts them into its arrays. The first run, and the
- * first after a failure, sets LAMMPS up, and what it computes is dropped. */
+/* LAMMPS evaluates the forces at the given positions; write puts them into its arrays. The first time, and
+ * the first after a failure, a `run 0` sets LAMMPS up, and what it computes is dropped. */
 static gh_status evaluate(bridge *e, gh_status (*write)(bridge *)) {
   bool started = e->started;
   e->valid = e->started = e->relaxed = false;
@@ -237,7 +237,7 @@ static gh_status evaluate(bridge *e, gh_status (*write)(bridge *)) {
     if (!started || write == write_set) GH_TRY(write_history(e));
     GH_TRY(write_rotations(e));
   }
-  GH_TRY(gh_lmp_command(e->ctx, e->lmp, "run 1 pre no post no"));
+  GH_TRY(gh_lmp_advance(e->ctx, e->lmp, FIX));
   e->valid = e->started = true;
   return GH_OK;
 }
@@ -482,17 +482,12 @@ static gh_status bridge_move(void *self, const double *x, const double *theta) {
 }
 
 static gh_status relax(bridge *e, const gh_relax_options *o, gh_relax_result *r) {
-  double steps, ended;
+  gh_lmp_relaxed end;
   GH_TRY(check_valid(e));
   e->valid = e->started = false;
-  GH_TRY(gh_lmp_relax(e->ctx, e->lmp, FIX, o->tolerance, o->floor, o->max_steps));
+  GH_TRY(gh_lmp_relax(e->ctx, e->lmp, FIX, o->tolerance, o->floor, o->max_steps, &end));
   e->valid = e->started = e->relaxed = true;
-  GH_TRY(gh_lmp_fix_vector(e->ctx, e->lmp, FIX, 0, &r->residual));
-  GH_TRY(gh_lmp_fix_vector(e->ctx, e->lmp, FIX, 1, &r->mean_force));
-  GH_TRY(gh_lmp_fix_vector(e->ctx, e->lmp, FIX, 2, &steps));
-  GH_TRY(gh_lmp_fix_vector(e->ctx, e->lmp, FIX, 4, &ended));
-  r->steps = (long)steps;
-  r->converged = ended != 0;
+  *r = (gh_relax_result){end.residual, end.mean_force, end.steps, end.converged};
   e->cost.steps += r->steps;
   return GH_OK;
 }

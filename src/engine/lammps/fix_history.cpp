@@ -406,7 +406,9 @@ void FixHistory::set_converged(const double H[4], const double *x, const double 
                                const gh_slip *slips, int nslips) {
   const int n = atom->nlocal;
   std::copy(H, H + 4, Hn);
-  std::vector<int> local(n), at(n + 1, 0);
+  std::vector<int> &at = place;
+  local.resize(n);
+  at.assign(n + 1, 0);
   for (int i = 0; i < n; i++) local[atom->tag[i] - 1] = i;
   for (int i = 0; i < n; i++) {
     const std::size_t a = atom->tag[i] - 1;

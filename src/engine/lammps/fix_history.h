@@ -116,6 +116,7 @@ private:
   std::vector<int> tfirst, tcount, owner;
   std::vector<Partner> touched, tpool;
   std::vector<char> used;
+  std::vector<int> local, place;   /* scratch of set_converged */
   mutable std::vector<int> finger; /* where the last search of an atom ended */
   /* flips of the box */
   bool stepping = false;

@@ -489,7 +489,7 @@ void FixRelax::final_integrate() {
     judge();
   }
   rebuilds = pair->builds - builds_at_start;
-  if (ended != RUNNING) stop_run();
+  if (ended != RUNNING && !driven) stop_run();
 }
 
 /* The run ends by LAMMPS's timer. In a script it ends with a time step in which nothing moves and thermo
@@ -497,7 +497,7 @@ void FixRelax::final_integrate() {
 void FixRelax::stop_run() {
   const bigint now = update->ntimestep;
   const bool thermo_now = output->next_thermo == now;
-  if (driven || (thermo_now && now > ended_at)) {
+  if (thermo_now && now > ended_at) {
     timer->force_timeout();
     forced = true;
   } else if (!thermo_now && now < update->laststep) {
@@ -544,6 +544,45 @@ void FixRelax::drive(bool periodic) {
   active = false;
   cluster = !periodic;
   box_change = BOX_CHANGE_X | BOX_CHANGE_Y | (periodic ? BOX_CHANGE_XY : 0);
+}
+
+/* Neighbours anew: pre_exchange brings grains back into the box, or the box to the grains. */
+void FixRelax::renew_lists() {
+  modify->pre_exchange();
+  if (domain->triclinic) domain->x2lamda(atom->nlocal);
+  domain->pbc();
+  domain->reset_box();
+  comm->setup();
+  neighbor->setup_bins();
+  comm->exchange();
+  comm->borders();
+  if (domain->triclinic) domain->lamda2x(atom->nlocal + atom->nghost);
+  modify->pre_neighbor();
+  neighbor->build(1);
+  modify->post_neighbor();
+}
+
+/* Newton's third law is off and nothing is tallied: no sums over ghosts, no energies. */
+void FixRelax::advance() {
+  update->ntimestep++;
+  modify->initial_integrate(0);
+  modify->post_integrate();
+  if (neighbor->decide()) renew_lists();
+  else comm->forward_comm();
+  const std::size_t bytes = 3 * sizeof(double) * (std::size_t)atom->nlocal;
+  std::memset(atom->f[0], 0, bytes);
+  std::memset(atom->torque[0], 0, bytes);
+  modify->pre_force(0);
+  force->pair->compute(0, 0);
+  modify->post_force(0);
+  modify->final_integrate();
+}
+
+void FixRelax::tell(double *force, double *mean, long *done, bool *reached) const {
+  *force = residual;
+  *mean = mean_force;
+  *done = steps;
+  *reached = ended == CONVERGED || ended == UNJAMMED;
 }
 
 void FixRelax::set_cell(double lx, double ly, double xy) {

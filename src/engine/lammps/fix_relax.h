@@ -34,18 +34,23 @@ public:
 
   /* ---- for a program that drives LAMMPS through its library (guard.h) ---- */
 
-  /* From now on the fix does nothing in a run unless relax_next() was called; the cell may change between
-   * runs. Before the first run. */
+  /* From now on the fix does nothing in a step unless relax_next() was called, and the cell may change
+   * between steps. Before the first run, which sets LAMMPS up; all that follows is advance(). */
   void drive(bool periodic);
-  /* The box becomes [0, lx] x [0, ly] with the tilt xy; the lists are made anew in the next run. */
+  /* One time step as LAMMPS's run_style verlet makes it, without a command to be parsed and without output.
+   */
+  void advance();
+  /* The box becomes [0, lx] x [0, ly] with the tilt xy; the lists are made anew in the next step. */
   void set_cell(double lx, double ly, double xy);
   void rebuild_next();
-  /* The next runs relax, until finished(). */
+  /* The next steps relax, until finished(). */
   void relax_next(double new_tolerance, double new_floor, long new_max_steps);
   bool finished() const { return ended != RUNNING; }
   void idle() { active = false; }
   int group_bit() const { return groupbit; }
   long builds() const;
+  /* Of the last relaxation. */
+  void tell(double *force, double *mean, long *done, bool *reached) const;
 
 private:
   enum state { RUNNING, CONVERGED, UNJAMMED, SPENT };
@@ -107,6 +112,7 @@ private:
   void surround();
   void stop_run();
   void start();
+  void renew_lists();
   void end(state how);
 };
 

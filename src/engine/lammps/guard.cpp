@@ -303,15 +303,21 @@ gh_status gh_lmp_rebuild(gh_context *ctx, void *lmp, const char *id) {
   });
 }
 
+gh_status gh_lmp_advance(gh_context *ctx, void *lmp, const char *id) {
+  return with_fix(ctx, lmp, id, [&](granhom::FixRelax *fix) {
+    fix->advance();
+    return GH_OK;
+  });
+}
+
 gh_status gh_lmp_relax(gh_context *ctx, void *lmp, const char *id, double tolerance, double floor,
-                       long max_steps) {
+                       long max_steps, gh_lmp_relaxed *r) {
   return with_fix(ctx, lmp, id, [&](granhom::FixRelax *fix) {
     fix->relax_next(tolerance, floor, max_steps);
-    gh_status status = GH_OK;
-    while (status == GH_OK && !fix->finished())
-      status = gh_lmp_command(ctx, lmp, "run 1000000 pre no post no");
+    while (!fix->finished()) fix->advance();
     fix->idle();
-    return status;
+    fix->tell(&r->residual, &r->mean_force, &r->steps, &r->converged);
+    return GH_OK;
   });
 }
 
@@ -350,6 +356,7 @@ gh_status gh_lmp_program(gh_context *ctx, int argc, char **argv, int *exit_statu
   void *lmp = nullptr;
   *exit_status = 0;
   *alone = false;
+  GH_TRY(start_mpi(ctx));
   gh_status status = guarded(ctx, "script", [&] {
     try {
       lmp = lammps_open(argc, argv, MPI_COMM_WORLD, nullptr);

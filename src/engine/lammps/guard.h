@@ -38,18 +38,26 @@ gh_status gh_lmp_fix_vector(gh_context *ctx, void *lmp, const char *id, int comp
 
 /* ---- driving a fix granhom/relax with `inner yes` ---- */
 
-/* Takes it over, before the first run: from now on nothing moves in a run unless gh_lmp_relax says so, and
- * the cell may change between runs. A cluster's box (periodic false) follows its grains. Gives the bit of the
- * fix's group in "mask". */
+/* Takes it over, before the first run: from now on nothing moves in a step unless gh_lmp_relax says so, and
+ * the cell may change between steps. A cluster's box (periodic false) follows its grains. Gives the bit of
+ * the fix's group in "mask". */
 gh_status gh_lmp_drive(gh_context *ctx, void *lmp, const char *id, bool periodic, int *group_bit);
-/* The box becomes [0, t0] x [0, t3] with tilt t1 (t2 is 0); the neighbour list is made anew in the next run.
- */
+/* The box becomes [0, t0] x [0, t3] with tilt t1 (t2 is 0); the neighbour list is made anew in the next
+ * step. */
 gh_status gh_lmp_set_cell(gh_context *ctx, void *lmp, const char *id, const double t[4]);
-/* The neighbour list is made anew in the next run. */
+/* The neighbour list is made anew in the next step. */
 gh_status gh_lmp_rebuild(gh_context *ctx, void *lmp, const char *id);
-/* Relaxes: runs until the residual, the steps or all contacts are gone. Results: gh_lmp_fix_vector. */
+/* One time step, after the first run: forces and, where they are due, lists. Like a `run 1 pre no post no`,
+ * without text and without memory. */
+gh_status gh_lmp_advance(gh_context *ctx, void *lmp, const char *id);
+typedef struct gh_lmp_relaxed {
+  double residual, mean_force;
+  long steps;
+  bool converged; /* or unjammed */
+} gh_lmp_relaxed;
+/* Relaxes until the residual is met, or the steps or all contacts are gone. */
 gh_status gh_lmp_relax(gh_context *ctx, void *lmp, const char *id, double tolerance, double floor,
-                       long max_steps);
+                       long max_steps, gh_lmp_relaxed *result);
 /* ---- driving pair style granhom/coulomb, from the first run on; arrays by id - 1 ---- */
 
 /* State n: lattice H (columns), unwrapped positions (n x 2), rotations, and the history of the contacts with
@@ -64,9 +72,9 @@ gh_status gh_lmp_builds(gh_context *ctx, void *lmp, const char *id, long *builds
 
 /* ---- a LAMMPS program of its own ---- */
 
-/* What LAMMPS's own main does with these arguments (argv[0] is the program) on MPI_COMM_WORLD, which must be
- * initialised. *exit_status: that of a `quit` command, else 0. GH_ENGINE: an error; on all ranks unless
- * *alone is set: then the other ranks do not know, and the caller must end them (MPI_Abort). */
+/* What LAMMPS's own main does with these arguments (argv[0] is the program) on MPI_COMM_WORLD (MPI is
+ * initialised if nobody did). *exit_status: that of a `quit` command, else 0. GH_ENGINE: an error; on all
+ * ranks unless *alone is set: then the other ranks do not know, and the caller must end them (MPI_Abort). */
 gh_status gh_lmp_program(gh_context *ctx, int argc, char **argv, int *exit_status, bool *alone);
 
 #ifdef __cplusplus
