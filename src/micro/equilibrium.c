@@ -55,33 +55,13 @@ static double target(const gh_rve *r) {
   return r->m.mean_force > 0 ? fmax(r->options.tolerance, roundoff / r->m.mean_force) : r->options.tolerance;
 }
 
-/* Relaxation by the engine until the residual as it is defined here is met: the engine sums in another order
- * and leaves a grain's contacts with its own images out of the mean, so that it may have to be asked for a
- * little more. The engine knows nothing of round-off: packings that hardly touch are asked in between whether
- * they have come as near as their positions allow. */
-static gh_status relax(gh_rve *r, double tolerance, long *left) {
-  static const long portion = 50000;
-  double asked = tolerance, floor = r->floor;
-  for (;;) {
-    double start = gh_seconds();
-    gh_relax_options o = {.tolerance = asked, .max_steps = *left < portion ? *left : portion, .floor = floor};
-    gh_relax_result result;
-    GH_TRY(gh_engine_relax(r->engine, &o, &result));
-    *left -= result.steps;
-    r->m.steps += result.steps;
-    r->cost.steps += result.steps;
-    r->cost.relax += gh_seconds() - start;
-    GH_TRY(gh_rve_look_at_contacts(r));
-    if (r->m.residual <= fmax(tolerance, target(r))) return GH_OK;
-    if (*left <= 0 || result.steps < 1)
-      return gh_fail(r->ctx, GH_DIVERGED,
-                     "no equilibrium within %ld relaxation steps at F = [%.6g %.6g; %.6g %.6g]: the largest "
-                     "force is %.3g of the mean contact force, wanted %.3g",
-                     r->m.steps, r->F[0], r->F[1], r->F[2], r->F[3], r->m.residual, tolerance);
-    if (!result.converged) continue;
-    asked *= 0.5 * fmin(1, tolerance / r->m.residual);
-    floor *= 0.5;
-  }
+/* At the contacts at hand, with r->shift. */
+static gh_status factorise_shifted(gh_rve *r, bool *regular) {
+  GH_TRY(gh_rve_find_rattlers(r));
+  GH_TRY(gh_coupled_number(r->ctx, r->coupled, r->held, r->rattlers->flag, r->turns, &r->list, r->periodic));
+  GH_TRY(gh_coupled_factorise(r->ctx, r->coupled, r->radius, &r->list, r->shift, regular));
+  r->m.factorisations++;
+  return GH_OK;
 }
 
 /* Friction leaves modes without stiffness: grains that roll on each other like gears where no odd cycle of
@@ -90,10 +70,8 @@ static gh_status relax(gh_rve *r, double tolerance, long *left) {
 gh_status gh_rve_factorise_coupled(gh_rve *r, bool help, bool *regular) {
   double most = 1e-6 * r->options.law.normal_stiffness;
   r->shift = 0;
-  GH_TRY(gh_coupled_number(r->ctx, r->coupled, r->held, r->rattlers->flag, r->turns, &r->list, r->periodic));
   for (;;) {
-    GH_TRY(gh_coupled_factorise(r->ctx, r->coupled, r->radius, &r->list, r->shift, regular));
-    r->m.factorisations++;
+    GH_TRY(factorise_shifted(r, regular));
     if (*regular || !help || r->shift >= most) return GH_OK;
     r->shift = r->shift > 0 ? 10 * r->shift : 1e-3 * most;
   }
@@ -159,6 +137,69 @@ static gh_status newton_step(gh_rve *r) {
   GH_TRY(r->coupled ? solve_forces_and_moments(r) : solve_forces(r));
   r->cost.factorise += gh_seconds() - start;
   return gh_engine_move(r->engine, r->step, r->turn);
+}
+
+/* A residual from which relaxation that goes in circles may be helped on. */
+static const double near = 1e-3;
+
+/* Forces with friction have no potential, and relaxation may circle around the equilibrium that it has found.
+ * Newton goes there, as long as every step halves the residual; loose grains, which would make the matrix
+ * singular or be thrown far, are held by more and more stiffness of their own. */
+static gh_status leave_circle(gh_rve *r, double tolerance) {
+  static const double shifts[] = {0, 1e-9, 1e-6, 1e-4, 1e-2};
+  GH_TRY(gh_engine_get(r->engine, r->x, r->theta));
+  for (size_t k = 0; k < sizeof shifts / sizeof *shifts; k++) {
+    for (bool falls = true; falls;) {
+      double before = r->m.residual;
+      bool regular;
+      r->shift = shifts[k] * r->options.law.normal_stiffness;
+      GH_TRY(factorise_shifted(r, &regular));
+      if (!regular) break;
+      GH_TRY(newton_step(r));
+      GH_TRY(gh_rve_look_at_contacts(r));
+      falls = r->m.residual <= before / 2 && !r->m.unjammed;
+      if (falls) {
+        memcpy(r->x, r->step, 2 * (size_t)r->n * sizeof(double));
+        memcpy(r->theta, r->turn, (size_t)r->n * sizeof(double));
+        if (r->m.residual <= tolerance) return GH_OK;
+      } else { /* back to where it was */
+        GH_TRY(gh_engine_move(r->engine, r->x, r->theta));
+        GH_TRY(gh_rve_look_at_contacts(r));
+      }
+    }
+  }
+  return GH_OK;
+}
+
+/* Relaxation by the engine until the residual as it is defined here is met: the engine sums in another order
+ * and leaves a grain's contacts with its own images out of the mean, so that it may have to be asked for a
+ * little more. The engine knows nothing of round-off: packings that hardly touch are asked in between whether
+ * they have come as near as their positions allow. */
+static gh_status relax(gh_rve *r, double tolerance, long *left) {
+  const long portion = r->coupled ? 5000 : 50000;
+  double asked = tolerance, floor = r->floor;
+  for (;;) {
+    double start = gh_seconds();
+    gh_relax_options o = {.tolerance = asked, .max_steps = *left < portion ? *left : portion, .floor = floor};
+    gh_relax_result result;
+    GH_TRY(gh_engine_relax(r->engine, &o, &result));
+    *left -= result.steps;
+    r->m.steps += result.steps;
+    r->cost.steps += result.steps;
+    r->cost.relax += gh_seconds() - start;
+    GH_TRY(gh_rve_look_at_contacts(r));
+    if (r->coupled && !result.converged && r->m.residual <= near)
+      GH_TRY(leave_circle(r, fmax(tolerance, target(r))));
+    if (r->m.residual <= fmax(tolerance, target(r))) return GH_OK;
+    if (*left <= 0 || result.steps < 1)
+      return gh_fail(r->ctx, GH_DIVERGED,
+                     "no equilibrium within %ld relaxation steps at F = [%.6g %.6g; %.6g %.6g]: the largest "
+                     "force is %.3g of the mean contact force, wanted %.3g",
+                     r->m.steps, r->F[0], r->F[1], r->F[2], r->F[3], r->m.residual, tolerance);
+    if (!result.converged) continue;
+    asked *= 0.5 * fmin(1, tolerance / r->m.residual);
+    floor *= 0.5;
+  }
 }
 
 /* Newton from the engine's positions as long as it is safe. *done: the residual is reached. Else the engine
