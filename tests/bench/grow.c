@@ -4,9 +4,10 @@
  *   grow [LARGEST [PART]]     number of grains up to LARGEST (default 100000); PART of the volume fraction
  *
  * Each packing grows from points to a volume fraction short of jamming; all of that is in the time, which is
- * the processor's. Leaves are new lists per collision: only rows where they agree compare the same work. The
- * last column is the time per collision over log2 of the number of grains: it must not rise with that number
- * but for what the caches do. */
+ * the processor's. Leaves and checks are the other events of the queue, new lists and predictions that are
+ * made anew, per collision: collisions compare the same work only where these agree. The last columns are the
+ * time per collision and per event over log2 of the number of grains: the latter must not rise with that
+ * number. */
 #include "granhom/packing.h"
 
 #include <stdlib.h>
@@ -45,8 +46,9 @@ int main(int argc, char **argv) {
   gh_context *ctx;
   double largest = argc > 1 ? atof(argv[1]) : 1e5, part = argc > 2 ? atof(argv[2]) : 1;
   if (gh_context_create(&ctx) != GH_OK) return 1;
-  printf("%-9s %3s %7s %9s %11s %7s %8s %10s %12s\n", "grains", "dim", "number", "fraction", "collisions",
-         "leaves", "seconds", "per second", "ns per log2 n");
+  printf("%-9s %3s %7s %9s %11s %7s %7s %8s %10s %18s\n", "grains", "dim", "number", "fraction", "collisions",
+         "leaves", "checks", "seconds", "per second", "ns over log2 n, of");
+  printf("%77s %10s %10s\n", "", "collision", "event");
   for (size_t s = 0; s < sizeof sands / sizeof *sands; s++)
     for (int dim = 2; dim <= 3; dim++)
       for (int n = 1000; n <= largest; n *= 10) {
@@ -57,9 +59,10 @@ int main(int argc, char **argv) {
           return 1;
         }
         double seconds = (double)(clock() - begin) / CLOCKS_PER_SEC, rate = r.collisions / seconds;
-        printf("%-9s %3d %7d %9.4f %11.0f %7.2f %8.2f %10.3g %12.1f\n", sands[s].name, dim, n,
-               r.volume_fraction, r.collisions, r.transfers / r.collisions, seconds, rate,
-               1e9 / rate / log2(n));
+        double events = r.collisions + r.transfers + r.checks;
+        printf("%-9s %3d %7d %9.4f %11.0f %7.2f %7.2f %8.2f %10.3g %10.1f %10.1f\n", sands[s].name, dim, n,
+               r.volume_fraction, r.collisions, r.transfers / r.collisions, r.checks / r.collisions, seconds,
+               rate, 1e9 / rate / log2(n), 1e9 * seconds / events / log2(n));
         fflush(stdout);
       }
   gh_context_destroy(&ctx);
