@@ -85,3 +85,23 @@ int cli_usage(const cli_command *command, const char *format, ...) {
   va_end(args);
   return 2;
 }
+
+int cli_boundary(const cli_command *command, const char *text, gh_boundary *boundary) {
+  if (gh_boundary_from_name(text, boundary)) return 0;
+  return cli_usage(command, "--boundary is taylor, taylor-cell, restricted or periodic, not \"%s\"", text);
+}
+
+int cli_engine(const cli_command *command, const char *text, gh_engine_kind *engine) {
+  if (!strcmp(text, "lammps")) return *engine = GH_ENGINE_LAMMPS, 0;
+  if (!strcmp(text, "native")) return *engine = GH_ENGINE_NATIVE, 0;
+  return cli_usage(command, "--engine is lammps or native, not \"%s\"", text);
+}
+
+gh_status cli_finish(gh_context *ctx, gh_status status, gh_status (*last)(void *data, bool good),
+                     void *data) {
+  char *message = status == GH_OK ? NULL : strdup(gh_message(ctx));
+  gh_status s = last(data, status == GH_OK);
+  if (message) gh_fail(ctx, status, "%s", message);
+  free(message);
+  return status == GH_OK ? s : status;
+}

@@ -3,6 +3,7 @@
 #define GRANHOM_CLI_H
 
 #include "granhom/base.h"
+#include "granhom/micro.h"
 
 /* A subcommand: its words, its help and the function that does it. argv[0] is the subcommand's name. Returns
  * the exit status. */
@@ -34,5 +35,12 @@ int cli_ranks(void);
 int cli_share(int value);
 /* Ends all ranks. */
 void cli_abort(int code);
+
+/* Values of --boundary and --engine. 0, or 2 after a message. */
+int cli_boundary(const cli_command *command, const char *text, gh_boundary *boundary);
+int cli_engine(const cli_command *command, const char *text, gh_engine_kind *engine);
+/* What comes last whether the work before it succeeded or not: last(data, status == GH_OK). The message of
+ * the first failure stays the one that is told, and its status is returned. */
+gh_status cli_finish(gh_context *ctx, gh_status status, gh_status (*last)(void *data, bool good), void *data);
 
 #endif

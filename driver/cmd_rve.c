@@ -91,13 +91,9 @@ static int parse_option(int c, arguments *a) {
   case 'T':
     return positive("--tolerance", optarg, &a->rve.tolerance);
   case 'b':
-    if (gh_boundary_from_name(optarg, &a->rve.boundary)) return 0;
-    return cli_usage(&cli_rve, "--boundary is taylor, taylor-cell, restricted or periodic, not \"%s\"",
-                     optarg);
+    return cli_boundary(&cli_rve, optarg, &a->rve.boundary);
   case 'e':
-    if (!strcmp(optarg, "lammps")) return a->rve.engine = GH_ENGINE_LAMMPS, 0;
-    if (!strcmp(optarg, "native")) return a->rve.engine = GH_ENGINE_NATIVE, 0;
-    return cli_usage(&cli_rve, "--engine is lammps or native, not \"%s\"", optarg);
+    return cli_engine(&cli_rve, optarg, &a->rve.engine);
   case 'n':
     if (!gh_parse_integer(optarg, 1, 1000000000, &steps))
       return cli_usage(&cli_rve, "--max-steps must be a positive integer, not \"%s\"", optarg);
@@ -284,16 +280,12 @@ static gh_status walk(job *j) {
   return status;
 }
 
-/* What was computed is written also when an increment failed; the failure's message stays the one that is
- * told. */
-static gh_status finish(job *j, gh_status status) {
-  char *message = status == GH_OK ? NULL : strdup(gh_message(j->ctx));
-  gh_status s = write_files(j, true);
-  if (s == GH_OK && status == GH_OK && j->args->save)
-    s = rve_state_save(j->ctx, j->args->save, j->rve, &j->args->rve, j->packing);
-  if (message) gh_fail(j->ctx, status, "%s", message);
-  free(message);
-  return status == GH_OK ? s : status;
+/* What was computed is written also when an increment failed. */
+static gh_status write_last(void *data, bool good) {
+  job *j = data;
+  GH_TRY(write_files(j, true));
+  if (!good || !j->args->save) return GH_OK;
+  return rve_state_save(j->ctx, j->args->save, j->rve, &j->args->rve, j->packing);
 }
 
 static gh_status rve(job *j) {
@@ -312,7 +304,7 @@ static gh_status rve(job *j) {
   if (a->dump) GH_TRY(gh_text_create(j->ctx, &j->dump));
   write_headers(j);
   GH_TRY(write_files(j, false));
-  return finish(j, walk(j));
+  return cli_finish(j->ctx, walk(j), write_last, j);
 }
 
 static int run(int argc, char **argv) {

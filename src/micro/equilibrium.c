@@ -55,13 +55,15 @@ static double target(const gh_rve *r) {
   return r->m.mean_force > 0 ? fmax(r->options.tolerance, roundoff / r->m.mean_force) : r->options.tolerance;
 }
 
-/* At the contacts at hand, with r->shift. */
+/* Numbers the unknowns at the contacts and rattlers at hand. */
+static gh_status number_coupled(gh_rve *r) {
+  return gh_coupled_number(r->ctx, r->coupled, r->held, r->rattlers->flag, r->turns, &r->list, r->periodic);
+}
+
+/* As they are numbered, with r->shift. */
 static gh_status factorise_shifted(gh_rve *r, bool *regular) {
-  GH_TRY(gh_rve_find_rattlers(r));
-  GH_TRY(gh_coupled_number(r->ctx, r->coupled, r->held, r->rattlers->flag, r->turns, &r->list, r->periodic));
-  GH_TRY(gh_coupled_factorise(r->ctx, r->coupled, r->radius, &r->list, r->shift, regular));
   r->m.factorisations++;
-  return GH_OK;
+  return gh_coupled_factorise(r->ctx, r->coupled, r->radius, &r->list, r->shift, regular);
 }
 
 /* Friction leaves modes without stiffness: grains that roll on each other like gears where no odd cycle of
@@ -70,6 +72,7 @@ static gh_status factorise_shifted(gh_rve *r, bool *regular) {
 gh_status gh_rve_factorise_coupled(gh_rve *r, bool help, bool *regular) {
   double most = 1e-6 * r->options.law.normal_stiffness;
   r->shift = 0;
+  GH_TRY(number_coupled(r));
   for (;;) {
     GH_TRY(factorise_shifted(r, regular));
     if (*regular || !help || r->shift >= most) return GH_OK;
@@ -131,12 +134,22 @@ static gh_status solve_forces_and_moments(gh_rve *r) {
   return GH_OK;
 }
 
-/* One full Newton step from x to r->step; the engine is left there. */
-static gh_status newton_step(gh_rve *r) {
-  double start = gh_seconds();
+/* One full Newton step from x, with the factor at hand. *falls: the residual is at most `fall` times what it
+ * was, and x is there; else all is where it was. */
+static gh_status newton_step(gh_rve *r, double fall, bool *falls) {
+  double start = gh_seconds(), before = r->m.residual;
   GH_TRY(r->coupled ? solve_forces_and_moments(r) : solve_forces(r));
   r->cost.factorise += gh_seconds() - start;
-  return gh_engine_move(r->engine, r->step, r->turn);
+  GH_TRY(gh_engine_move(r->engine, r->step, r->turn));
+  GH_TRY(gh_rve_look_at_contacts(r));
+  *falls = r->m.residual <= fall * before && !r->m.unjammed;
+  if (!*falls) {
+    GH_TRY(gh_engine_move(r->engine, r->x, r->theta));
+    return gh_rve_look_at_contacts(r);
+  }
+  memcpy(r->x, r->step, 2 * (size_t)r->n * sizeof(double));
+  if (r->theta) memcpy(r->theta, r->turn, (size_t)r->n * sizeof(double));
+  return GH_OK;
 }
 
 /* A residual from which relaxation that goes in circles may be helped on. */
@@ -150,22 +163,16 @@ static gh_status leave_circle(gh_rve *r, double tolerance) {
   GH_TRY(gh_engine_get(r->engine, r->x, r->theta));
   for (size_t k = 0; k < sizeof shifts / sizeof *shifts; k++) {
     for (bool falls = true; falls;) {
-      double before = r->m.residual;
+      double start = gh_seconds();
       bool regular;
       r->shift = shifts[k] * r->options.law.normal_stiffness;
+      GH_TRY(gh_rve_find_rattlers(r));
+      GH_TRY(number_coupled(r));
       GH_TRY(factorise_shifted(r, &regular));
+      r->cost.factorise += gh_seconds() - start;
       if (!regular) break;
-      GH_TRY(newton_step(r));
-      GH_TRY(gh_rve_look_at_contacts(r));
-      falls = r->m.residual <= before / 2 && !r->m.unjammed;
-      if (falls) {
-        memcpy(r->x, r->step, 2 * (size_t)r->n * sizeof(double));
-        memcpy(r->theta, r->turn, (size_t)r->n * sizeof(double));
-        if (r->m.residual <= tolerance) return GH_OK;
-      } else { /* back to where it was */
-        GH_TRY(gh_engine_move(r->engine, r->x, r->theta));
-        GH_TRY(gh_rve_look_at_contacts(r));
-      }
+      GH_TRY(newton_step(r, 0.5, &falls));
+      if (falls && r->m.residual <= tolerance) return GH_OK;
     }
   }
   return GH_OK;
@@ -210,21 +217,14 @@ static gh_status polish(gh_rve *r, bool *done, bool *again) {
   const double fall = r->relaxes ? 0.5 : 0.95; /* rotations alone have one equilibrium: any fall will do */
   GH_TRY(gh_engine_get(r->engine, r->x, r->theta));
   for (;;) {
-    bool good;
-    double before = r->m.residual;
+    bool good, falls;
     GH_TRY(factorise(r, &good));
     if (!good) { /* with friction: grains that carry nothing slide on their last contact until the end */
       *again = !r->coupled;
       return GH_OK;
     }
-    GH_TRY(newton_step(r));
-    GH_TRY(gh_rve_look_at_contacts(r));
-    if (!(r->m.residual <= fall * before) || r->m.unjammed) { /* back to where it was */
-      GH_TRY(gh_engine_move(r->engine, r->x, r->theta));
-      return gh_rve_look_at_contacts(r);
-    }
-    memcpy(r->x, r->step, 2 * (size_t)r->n * sizeof(double));
-    if (r->theta) memcpy(r->theta, r->turn, (size_t)r->n * sizeof(double));
+    GH_TRY(newton_step(r, fall, &falls));
+    if (!falls) return GH_OK;
     *done = r->m.residual <= target(r);
     r->m.polished = *done;
     if (*done) return GH_OK;

@@ -9,6 +9,7 @@
  * With friction, state n is kept as it was given. Each gh_engine_set turns it into the frame of that cell:
  * the same rotation, the same lattice vectors taken off the positions, and the same change of the basis, with
  * the lattice of n; keys of contacts change by the vectors taken off and by the basis. */
+#include "engine/lammps/contact_columns.h"
 #include "engine/lammps/guard.h"
 #include "engine/ops.h"
 
@@ -19,36 +20,7 @@
 #define COMPUTE "contacts"
 /* Skin over the mean radius: see docs/performance.md for the measurement. */
 #define SKIN 0.2
-/* Columns of compute granhom/contact/local. */
-enum {
-  TAG1,
-  TAG2,
-  LX,
-  LY,
-  LZ,
-  FX,
-  FY,
-  FZ,
-  OVERLAP,
-  ENERGY,
-  HXX,
-  HXY,
-  HXZ,
-  HYY,
-  HYZ,
-  HZZ,
-  COUPLE,
-  SLIP_FORCE,
-  GAMMA,
-  GAMMA_PL,
-  ALPHA,
-  SLIDES,
-  KX,
-  KY,
-  ENERGY_T,
-  DISSIPATED,
-  DERIVATIVE
-};
+enum { GH_CONTACT_COLUMNS };
 enum { NO_IMAGE = (512 << 20) | (512 << 10) | 512 };
 enum { MOST_TYPES = 1000 };
 

@@ -4,6 +4,7 @@
 #ifndef GRANHOM_LAMMPS_COMPUTE_CONTACT_H
 #define GRANHOM_LAMMPS_COMPUTE_CONTACT_H
 
+#include "engine/lammps/contact_columns.h"
 #include "engine/lammps/c_mpi.h"
 
 #include "compute.h"
@@ -16,37 +17,7 @@ class PairNormal;
 class ComputeContact : public LAMMPS_NS::Compute {
 public:
   /* Columns of a row; from COUPLE on with friction only. */
-  enum column {
-    TAG1,
-    TAG2,
-    LX,
-    LY,
-    LZ,
-    FX,
-    FY,
-    FZ,
-    OVERLAP,
-    ENERGY,
-    HXX,
-    HXY,
-    HXZ,
-    HYY,
-    HYZ,
-    HZZ, /* both styles */
-    COUPLE,
-    SLIP_FORCE,
-    GAMMA,
-    GAMMA_PL,
-    ALPHA,
-    SLIDES,
-    KX,
-    KY,
-    ENERGY_T,
-    DISSIPATED,
-    DERIVATIVE,
-    COLUMNS_NORMAL = COUPLE,
-    COLUMNS = DERIVATIVE + 9
-  };
+  enum column { GH_CONTACT_COLUMNS, COLUMNS_NORMAL = COUPLE, COLUMNS = DERIVATIVE + 9 };
   ComputeContact(LAMMPS_NS::LAMMPS *lmp, int narg, char **arg);
   ~ComputeContact() override;
   void init() override;
