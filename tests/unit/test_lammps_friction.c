@@ -166,7 +166,7 @@ static void no_memory(void **state) {
   other.law = s.law;
   memcpy(other.radius, s.radius, sizeof s.radius);
   other.nslips = 0;
-  const gh_relax_options o = {1e-6, 2000, 0};
+  const gh_relax_options o = {1e-6, 2000, 0, GH_RELAX_DAMPED};
   gh_engine *fresh = make_engine(ctx, &s, GH_ENGINE_LAMMPS), *used = make_engine(ctx, &s, GH_ENGINE_LAMMPS);
   gh_relax_result r[2];
   gh_contact_list a, b;
@@ -229,7 +229,7 @@ static void relaxes_as_native(void **state) {
     for (int m = 0; m < ENGINES; m++) {
       gh_engine *g = make_engine(ctx, &s, KINDS[m]);
       put(ctx, g, &s);
-      OK(gh_engine_relax(g, &(gh_relax_options){1e-11, 100000, 0}, &r[m]));
+      OK(gh_engine_relax(g, &(gh_relax_options){1e-11, 100000, 0, GH_RELAX_DAMPED}, &r[m]));
       assert_true(r[m].converged && r[m].residual <= 1e-11);
       OK(gh_engine_get(g, x[m], theta[m]));
       OK(gh_engine_contacts(g, &list));
