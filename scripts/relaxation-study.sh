@@ -49,7 +49,6 @@ for friction in ("none", "20"):
             run = json.load(open(f"{name}/run.json"))
             s, path = run["summary"], row(name)
             away = max(abs(a - b) for a, b in zip(path, reference)) / max(map(abs, reference))
-            n = s["evaluations"]
             print(f"| {friction} | {tolerance} | {way} | {run['status']} | {s['relaxation_steps']} | {s['pair_evaluations'] / 1e6:.2f} million | "
                   f"{s['factorisations']} | {away:.1e} |")
 P

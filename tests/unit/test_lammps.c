@@ -762,6 +762,8 @@ static void wrong_arguments(void **state) {
       {"fix r all granhom/relax max_steps 0", "not 0"},
       {"fix r all granhom/relax inner maybe", "not maybe"},
       {"fix r all granhom/relax inner yes", "2d"},
+      {"fix r all granhom/relax method cg", "method is damped or fire, not cg"},
+      {"fix r all granhom/relax method fire", "method fire requires inner yes"},
       {"fix r all granhom/relax speed 3", "unknown keyword speed"},
       {"compute d all granhom/contact/local x", "no arguments"},
   };
