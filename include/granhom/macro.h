@@ -155,19 +155,19 @@ double gh_work_defect(const gh_energy *energy);
 /* How the body that goes in halves and the one that goes in whole increments differ. Root mean squares are
  * over the areas of the points, of Frobenius norms. */
 typedef struct gh_difference {
-  bool known;                   /* both came to the end of the increment */
-  gh_macro_report whole;        /* of the whole increment */
-  double stress, most;          /* of P at the end: root mean square, and at the point where it is largest */
-  double growth, change;        /* root mean squares of how this difference and how P change in the increment */
-  double scale, scale_most;     /* root mean square and largest |P| at the end */
+  bool known;               /* both came to the end of the increment */
+  gh_macro_report whole;    /* of the whole increment */
+  double stress, most;      /* of P at the end: root mean square, and at the point where it is largest */
+  double growth, change;    /* root mean squares of how this difference and how P change in the increment */
+  double scale, scale_most; /* root mean square and largest |P| at the end */
   double displacement, scale_u; /* Euclidean norms of the difference of u, and of u */
   const double *reactions;      /* in whole increments, nnodes x 2; the macro's, valid until the next call */
   double seconds;               /* of the halves */
 } gh_difference;
-/* gh_macro_solve for two bodies that begin as one: the present state goes on in halves of the increment (of its
- * shortest part where the other was cut), another one in whole increments. Where only one of them finds an
- * equilibrium, or a jump was passed, both go on from it as one. The report is that of the present state, with
- * the seconds of both; the watch sees the halves alone. GH_INPUT: a farm without RVEs. */
+/* gh_macro_solve for two bodies that begin as one: the present state goes on in halves of the increment (of
+ * its shortest part where the other was cut), another one in whole increments. Where only one of them finds
+ * an equilibrium, or a jump was passed, both go on from it as one. The report is that of the present state,
+ * with the seconds of both; the watch sees the halves alone. GH_INPUT: a farm without RVEs. */
 gh_status gh_macro_solve_twice(gh_macro *macro, const gh_loads *loads, gh_macro_report *report,
                                gh_difference *difference);
 /* Both go on from the present state as one. */

@@ -72,17 +72,17 @@ enum { GH_ERROR_STRESS, GH_ERROR_STRESS_LARGEST, GH_ERROR_DISPLACEMENT, GH_ERROR
 
 /* Estimate by step doubling (docs/method.md, "What a run knows of its error"). */
 typedef struct gh_run_estimate {
-  int increments;                        /* compared */
-  int branched;                          /* of these: the path is another one in halves, or not continuous */
-  double now[GH_ERRORS];                 /* error at the last increment */
-  double error[GH_ERRORS];               /* the largest of all increments */
-  double scale[GH_ERRORS];               /* largest value of the quantity up to now */
-  double off[GH_ERRORS];                 /* difference of the two paths now, since they were last one path */
-  double before[GH_ERRORS];              /* sum of their differences when they had to become one again */
-  double growth, branch;                 /* of the difference of stresses, over their scale: in the last
-                                            increment, and the largest in a branched one */
-  int last_branched;                     /* the last increment was */
-  double seconds;                        /* of the halves: what the estimate costs on top */
+  int increments;           /* compared */
+  int branched;             /* of these: the path is another one in halves, or not continuous */
+  double now[GH_ERRORS];    /* error at the last increment */
+  double error[GH_ERRORS];  /* the largest of all increments */
+  double scale[GH_ERRORS];  /* largest value of the quantity up to now */
+  double off[GH_ERRORS];    /* difference of the two paths now, since they were last one path */
+  double before[GH_ERRORS]; /* sum of their differences when they had to become one again */
+  double growth, branch;    /* of the difference of stresses, over their scale: in the last
+                               increment, and the largest in a branched one */
+  int last_branched;        /* the last increment was */
+  double seconds;           /* of the halves: what the estimate costs on top */
 } gh_run_estimate;
 /* error and now over scale. */
 double gh_estimated_error(const gh_run_estimate *estimate, int quantity);

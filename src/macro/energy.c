@@ -9,8 +9,8 @@
 static double inner_work(const gh_macro *m) {
   double sum = 0;
   for (int p = 0; p < m->npoints; p++) {
-    const double *F0 = m->eq.F + 4 * (size_t)p, *F1 = m->now.F + 4 * (size_t)p,
-                 *P0 = m->eq.P + 4 * (size_t)p, *P1 = m->now.P + 4 * (size_t)p;
+    const double *F0 = m->eq.F + 4 * (size_t)p, *F1 = m->now.F + 4 * (size_t)p, *P0 = m->eq.P + 4 * (size_t)p,
+                 *P1 = m->now.P + 4 * (size_t)p;
     double density = 0;
     for (int k = 0; k < 4; k++) density += 0.5 * (P0[k] + P1[k]) * (F1[k] - F0[k]);
     sum += m->shapes.weight[p] * density;

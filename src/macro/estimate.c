@@ -1,8 +1,8 @@
 /* One body in halves of the increments and one in whole increments. SPDX-License-Identifier: GPL-2.0-or-later
  *
- * The two do not begin each increment at the same state: each goes on from its own, so that their difference is
- * that of two whole paths. What a stress owes to the length of the last increment alone (with friction the factor
- * c of (7.20)) would else be counted in each increment anew.
+ * The two do not begin each increment at the same state: each goes on from its own, so that their difference
+ * is that of two whole paths. What a stress owes to the length of the last increment alone (with friction the
+ * factor c of (7.20)) would else be counted in each increment anew.
  *
  * The halves begin at a level of cuts of their own: parts are not longer than half the shortest part of the
  * whole increment, so that one that was cut is compared with a finer one too. */

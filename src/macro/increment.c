@@ -60,7 +60,8 @@ static gh_status succeed(gh_macro *m, const gh_attempt *a, int iterations, walk 
   w->change = INFINITY;
   /* Parts grow on the grid of halves, quarters, ..., so that they end at 1 and are never cut finer than the
    * option says. */
-  if (w->level > m->first_level && 2 * iterations <= m->options.max_iterations && fmod(w->t, 2 * w->dt) == 0) {
+  if (w->level > m->first_level && 2 * iterations <= m->options.max_iterations &&
+      fmod(w->t, 2 * w->dt) == 0) {
     w->level--;
     w->dt *= 2;
   }

@@ -160,10 +160,10 @@ typedef struct gh_jump {
 
 /* What has added up since the energy was set to zero (energy.c). All of it is saved with the state. */
 typedef struct gh_tally {
-  double inner, outer, freed;    /* work; freed: outer minus inner of steps that were not in balance */
-  double energy, dissipation;    /* of the packings now, */
-  double energy0, dissipation0;  /* and when it was zero */
-  double largest;                /* of |inner| and |energy + dissipation| since then */
+  double inner, outer, freed;      /* work; freed: outer minus inner of steps that were not in balance */
+  double energy, dissipation;      /* of the packings now, */
+  double energy0, dissipation0;    /* and when it was zero */
+  double largest;                  /* of |inner| and |energy + dissipation| since then */
   double residual, micro_residual; /* largest of all converged parts */
 } gh_tally;
 
@@ -256,9 +256,9 @@ gh_status gh_follow(gh_macro *m, gh_attempt *a);
 
 /* m->eq was evaluated as the first state: energies are counted from here. */
 void gh_energy_begin(gh_macro *m);
-/* The body goes from m->eq at the fraction t0 to m->now at a->t, which is about to be committed. evaluated: the
- * farm's measures are those of m->now, else both are the same. balanced: both are equilibria. Uses m->fext and
- * m->trial. */
+/* The body goes from m->eq at the fraction t0 to m->now at a->t, which is about to be committed. evaluated:
+ * the farm's measures are those of m->now, else both are the same. balanced: both are equilibria. Uses
+ * m->fext and m->trial. */
 void gh_energy_count(gh_macro *m, const gh_attempt *a, double t0, bool evaluated, bool balanced);
 void gh_energy_residual(gh_macro *m, double relative); /* of a converged part */
 

@@ -5,7 +5,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* ndof, npoints, following edges, started, solved, footings; the tally; numbers of an edge and of a footing */
+/* ndof, npoints, following edges, started, solved, footings; the tally; numbers of an edge and of a footing
+ */
 enum { HEAD = 6, TALLY = sizeof(gh_tally) / sizeof(double), EDGE = 3, FOOTING = 7 };
 
 /* The arrays that an increment begins with: the last equilibrium and what holds it. All else is made anew. */

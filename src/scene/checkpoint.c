@@ -72,12 +72,13 @@ typedef struct mark {
 enum { MARKS = 6 };
 
 static void find_marks(const gh_scene *s, mark list[MARKS]) {
-  static const mark names[MARKS] = {{"/made/format", "is no checkpoint of this version of granhom", FORMAT},
-                                    {"/made/scene", "belongs to another scene file", ""},
-                                    {"/made/mesh", "belongs to another mesh", ""},
-                                    {"/made/packings", "belongs to other packings", ""},
-                                    {"/made/engine", "was made with another engine", ""},
-                                    {"/made/estimate", "was made with another choice of --estimate-error", ""}};
+  static const mark names[MARKS] = {
+      {"/made/format", "is no checkpoint of this version of granhom", FORMAT},
+      {"/made/scene", "belongs to another scene file", ""},
+      {"/made/mesh", "belongs to another mesh", ""},
+      {"/made/packings", "belongs to other packings", ""},
+      {"/made/engine", "was made with another engine", ""},
+      {"/made/estimate", "was made with another choice of --estimate-error", ""}};
   memcpy(list, names, sizeof names);
   hex(add_bytes(first_sum, s->text, strlen(s->text)), list[1].value);
   hex(sum_mesh(s), list[2].value);

@@ -2,8 +2,8 @@
  * SPDX-License-Identifier: GPL-2.0-or-later */
 #include "scene/internal.h"
 
-/* Paths that part by more than this share of what the stress has changed by are two, not the same one more and
- * less precisely. */
+/* Paths that part by more than this share of what the stress has changed by are two, not the same one more
+ * and less precisely. */
 static const double branch = 0.1;
 /* Stresses are off by up to this many times the residual. */
 static const double amplified = 1e3;
@@ -68,7 +68,7 @@ static bool is_branched(const gh_scene *s, const gh_macro_report *halves, const 
 static void count(const gh_scene *s, const double off[GH_ERRORS], const double scale[GH_ERRORS],
                   bool branched, gh_run_estimate *e) {
   for (int k = 0; k < GH_ERRORS; k++) {
-    e->scale[k] = fmax(e->scale[k], scale[k]);
+    e->scale[k] = fmax(e->scale[k], fmax(scale[k], off[k]));
     if (branched && s->micro.law.friction) e->before[k] += e->off[k];
     e->off[k] = branched ? 0 : off[k];
     e->now[k] = e->before[k] + e->off[k];
@@ -96,7 +96,9 @@ gh_status scene_solve_twice(const gh_scene *s, gh_macro *m, const gh_loads *load
   count(s, off, scale, branched, e);
   if (branched) gh_macro_join(m);
   if (!d.known)
-    gh_log(s->ctx, GH_LEVEL_WARNING, "an equilibrium was found %s alone: the error of this increment is not known",
-           whole->substeps > 0 && report->substeps == whole->substeps ? "in the whole increment" : "in halves");
+    gh_log(s->ctx, GH_LEVEL_WARNING,
+           "an equilibrium was found %s alone: the error of this increment is not known",
+           whole->substeps > 0 && report->substeps == whole->substeps ? "in the whole increment"
+                                                                      : "in halves");
   return GH_OK;
 }

@@ -153,13 +153,15 @@ static void explain_solver(const gh_scene *s, gh_text *out) {
 }
 
 static void explain_error(const gh_scene *s, gh_text *out) {
-  gh_text_print(out, "error             residuals and energy defect of each increment, at no cost worth naming\n");
+  gh_text_print(out,
+                "error             residuals and energy defect of each increment, at no cost worth naming\n");
   if (!s->estimate) return;
   gh_text_print(
       out,
       "                  estimate by step doubling: each increment once more in two halves from the same "
       "state, from\n"
-      "                  which the run goes on: about three times the time, twice the memory for states; %s\n",
+      "                  which the run goes on: about three times the time, twice the memory for states; "
+      "%s\n",
       s->micro.law.friction ? "differences of first order add up (friction)"
                             : "differences are round-off or branches (frictionless)");
 }
@@ -228,17 +230,18 @@ static void print_estimate(const gh_run_estimate *q, gh_text *out) {
                        "times the time\n");
     return;
   }
-  gh_text_print(out,
-                "estimated error of the path: stress %.2g (largest of a point %.2g), displacement %.2g, force "
-                "%.2g, relative; %.1f s for it\n",
-                gh_estimated_error(q, GH_ERROR_STRESS), gh_estimated_error(q, GH_ERROR_STRESS_LARGEST),
-                gh_estimated_error(q, GH_ERROR_DISPLACEMENT), gh_estimated_error(q, GH_ERROR_FORCE),
-                q->seconds);
+  gh_text_print(
+      out,
+      "estimated error of the path: stress %.2g (largest of a point %.2g), displacement %.2g, force "
+      "%.2g, relative; %.1f s for it\n",
+      gh_estimated_error(q, GH_ERROR_STRESS), gh_estimated_error(q, GH_ERROR_STRESS_LARGEST),
+      gh_estimated_error(q, GH_ERROR_DISPLACEMENT), gh_estimated_error(q, GH_ERROR_FORCE), q->seconds);
   if (q->branched > 0)
-    gh_text_print(out,
-                  "the path branches in %d of %d increments (stress differs by up to %.2g): there and behind it "
-                  "is one of several, which no estimate compares\n",
-                  q->branched, q->increments, q->branch);
+    gh_text_print(
+        out,
+        "the path branches in %d of %d increments (stress differs by up to %.2g): there and behind it "
+        "is one of several, which no estimate compares\n",
+        q->branched, q->increments, q->branch);
 }
 
 static void print_error(const gh_run_summary *m, gh_text *out) {

@@ -94,8 +94,9 @@ void scene_history_header(scene_results *r) {
                             "micro_evaluations,micro_steps,micro_factorisations,"
                             "inner_work,outer_work,energy,dissipation,energy_defect");
   if (r->scene->estimate)
-    gh_text_print(r->history, ",estimate,estimate_largest,estimate_displacement,estimate_force,estimate_growth,"
-                              "branched");
+    gh_text_print(r->history,
+                  ",estimate,estimate_largest,estimate_displacement,estimate_force,estimate_growth,"
+                  "branched");
   gh_text_print(r->history, "\n");
 }
 
