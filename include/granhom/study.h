@@ -1,0 +1,41 @@
+/* granhom: error against run time: the same problem with many settings, compared with a reference.
+ * SPDX-License-Identifier: GPL-2.0-or-later */
+#ifndef GRANHOM_STUDY_H
+#define GRANHOM_STUDY_H
+
+#include "granhom/io.h"
+#include "granhom/scene.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+typedef struct gh_study gh_study;
+
+/* Reads a study file (docs/study.md) with the scene or the path, the packings and all values that it names,
+ * and checks each run as far as that can be done before it begins. GH_INPUT with file:line. Nothing is
+ * written. quick: with what the file's `quick` puts in the place of its `vary` and `base`. */
+gh_status gh_study_read(gh_context *ctx, const char *path, bool quick, gh_study **study);
+void gh_study_destroy(gh_study **study);
+/* What would run, in words: settings, members, references. */
+void gh_study_explain(const gh_study *study, gh_text *out);
+
+typedef struct gh_study_options {
+  bool (*stop)(void *data); /* asked before each run and within it; NULL: never */
+  void *stop_data;
+  const void *comm; /* MPI_Comm * whose ranks all call gh_study_run; NULL: this process alone */
+  bool fresh;       /* repeat finished runs */
+} gh_study_options;
+
+/* Does all runs that have no finished record of the same program, settings and files in folder/runs, spread
+ * over the ranks, then compares them and writes study.csv, study.md, curves.csv and pictures (needs gnuplot)
+ * into the folder. A run that fails is a result. GH_STOPPED: what is finished stays. Collective over comm;
+ * only rank 0 writes tables. */
+gh_status gh_study_run(gh_study *study, const char *folder, const gh_study_options *options);
+/* The table and the sentences of the last gh_study_run: what study.md holds, for the terminal. */
+void gh_study_print(const gh_study *study, gh_text *out);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

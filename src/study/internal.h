@@ -1,0 +1,129 @@
+/* What the files of the study module share: a study as it was read, its runs, and what came of them.
+ * SPDX-License-Identifier: GPL-2.0-or-later
+ *
+ * A setting is one combination of the values of the knobs. It has as many runs as there are packings in its
+ * ensemble (one without). A reference by `set` is a setting too, with some knobs changed; so each setting may
+ * have a reference of its own. */
+#ifndef GRANHOM_STUDY_INTERNAL_H
+#define GRANHOM_STUDY_INTERNAL_H
+
+#include "granhom/study.h"
+
+/* One thing that is varied. */
+typedef struct study_knob {
+  char *name; /* key of the scene or of the rve, with dots ("micro.tolerance", "steps.2.increments"); or
+                 "refine", "packing" */
+  int nvalues;
+  char **value;   /* as written in the file: what tables show */
+  double *number; /* the values as numbers; NAN where one is a word */
+  int line;
+} study_knob;
+
+/* How an answer goes along the path: rows of quantities over the path's parameter t (load steps, or rows of
+ * the coarsest path, from 0). */
+typedef struct study_curve {
+  int n;
+  double *t;
+  double *value; /* n x ncolumns of the study */
+} study_curve;
+
+typedef struct study_run {
+  char id[20];         /* hash of all that the answer depends on: name of its record */
+  const char *packing; /* file of this member; belongs to the setting */
+  bool finished;       /* there is a record; failed runs are finished, too */
+  gh_status status;    /* GH_OK, or why it ended early: the curve then is what came before */
+  char message[512];
+  double wall, core; /* seconds: of the clock; of the processor, all threads */
+  long force_evaluations, pair_evaluations, factorisations,
+      evaluations;                /* of packings: machine-independent counts */
+  long iterations, cuts, jumps;   /* of the macro problem; cuts alone for a path */
+  double residual, energy_defect; /* what the run says of its own error; NAN: nothing */
+  study_curve curve;
+} study_run;
+
+typedef struct study_setting {
+  char **value;  /* nknobs; for a reference that sets something which is no knob, see `also` */
+  int *choice;   /* nknobs: index into the knob's values; -1: a value that only a reference has */
+  char *also;    /* "key: value, ..." set by the reference beside the knobs; "" */
+  bool extra;    /* needed as a reference alone: no row of its own */
+  int reference; /* setting that this one is compared with; -1: a closed form or a file is */
+  int nruns;
+  study_run *runs;
+} study_setting;
+
+/* A group of columns that is compared as a whole. */
+typedef struct study_quantity {
+  const char *name; /* "stress", "energy", "force", "dilatancy" */
+  int first, count; /* columns */
+} study_quantity;
+
+typedef enum study_reference_kind { STUDY_SETTING, STUDY_CLOSED_FORM, STUDY_FILE } study_reference_kind;
+
+struct gh_study {
+  gh_context *ctx;
+  char *path, *title, *length_unit, *force_unit;
+  bool quick, scene; /* scene: a macro problem; else one packing along a path */
+  int nknobs;
+  study_knob *knobs;
+  int nsettings;
+  study_setting *settings; /* rows first in the order of the file (last knob fastest), then the extra ones */
+  int ncolumns;
+  char **column;         /* "P11", ... "energy"; "P11" ... "force_x", "force_y", "dilatancy" */
+  int nquantities, main; /* main: the quantity that sentences and pictures speak of */
+  study_quantity *quantities;
+  study_reference_kind reference;
+  char *reference_text; /* in words, for tables */
+  study_curve
+      given; /* closed form or file: its curve; closed forms are evaluated at each t of the finest path */
+  int ngoals;
+  double *goals; /* descending: 1e-2, 1e-3, 1e-6 */
+  int order;     /* knob whose order of convergence is stated; -1: none */
+  int series;    /* knob whose values are points of one curve in the pictures (the others make the curves);
+                    default 0 */
+  int nplots, *plots;            /* columns drawn with error bars over t in curves.png; may be none */
+  struct study_verdict *verdict; /* judge.c; NULL before */
+};
+
+/* ---- judge.c and below it: what the runs say (no file is read here, nothing is run) ---- */
+
+/* One setting against its reference. NAN where there is nothing to compare. */
+typedef struct study_judged {
+  int members;          /* runs that came to the end */
+  int points;           /* values of t in common with the reference, t = 0 among them */
+  double *l2, *largest; /* nquantities: of the mean over the members: |q - q_ref| in the l2 norm over the
+                           common points over that of q_ref; largest |q - q_ref| over the largest |q_ref| */
+  double *single; /* nquantities: root mean square over the members of their own l2 error: what a user with
+                     one packing has */
+  double *confidence; /* nquantities: half width of the 95 % interval of the mean (Student's t), like l2; NAN
+                         with one member */
+  double wall, core, force_evaluations, pair_evaluations, factorisations,
+      iterations;            /* means over the members */
+  bool pareto, pareto_count; /* no other setting is both cheaper and more accurate: by core seconds; by pair
+                                evaluations */
+  double order;              /* between this value of the order knob and the one before; NAN */
+} study_judged;
+
+typedef struct study_verdict {
+  study_judged *row; /* nsettings */
+  int nfits;         /* one for each combination of the other knobs when `order` is given */
+  struct study_fit {
+    int first;    /* a setting of that combination */
+    double order; /* least squares of log error over log knob, where the error falls; sign so that convergence
+                     is positive */
+    int from, to; /* indices of the knob's values that were used */
+    bool monotone; /* the error falls over all values */
+  } * fits;
+} study_verdict;
+
+gh_status study_judge(gh_study *s);
+void study_verdict_destroy(gh_study *s);
+/* Student's t: the 97.5 % quantile for that many degrees of freedom. */
+double study_student(int freedom);
+/* Tables and sentences of a judged study: study.csv, study.md, curves.csv as text; pictures into the folder.
+ */
+void study_write_csv(const gh_study *s, gh_text *out);
+void study_write_markdown(const gh_study *s, gh_text *out);
+void study_write_curves(const gh_study *s, gh_text *out);
+gh_status study_draw(const gh_study *s, const char *folder);
+
+#endif
