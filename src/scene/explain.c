@@ -232,10 +232,11 @@ static void print_estimate(const gh_run_estimate *q, gh_text *out) {
   }
   gh_text_print(
       out,
-      "estimated error of the path: stress %.2g (largest of a point %.2g), displacement %.2g, force "
+      "estimated error of the path%s: stress %.2g (largest of a point %.2g), displacement %.2g, force "
       "%.2g, relative; %.1f s for it\n",
-      gh_estimated_error(q, GH_ERROR_STRESS), gh_estimated_error(q, GH_ERROR_STRESS_LARGEST),
-      gh_estimated_error(q, GH_ERROR_DISPLACEMENT), gh_estimated_error(q, GH_ERROR_FORCE), q->seconds);
+      q->branched > 0 ? ", its branches apart" : "", gh_estimated_error(q, GH_ERROR_STRESS),
+      gh_estimated_error(q, GH_ERROR_STRESS_LARGEST), gh_estimated_error(q, GH_ERROR_DISPLACEMENT),
+      gh_estimated_error(q, GH_ERROR_FORCE), q->seconds);
   if (q->branched > 0)
     gh_text_print(
         out,

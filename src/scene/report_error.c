@@ -34,24 +34,24 @@ static const char *const names[ESTIMATES] = {"stress, root mean square", "stress
                                              "displacement", "force"};
 
 typedef struct errors {
-  double *increment, *seconds, *defect, *estimate[ESTIMATES], *memory;
-  int *mark; /* 3: the path branches */
+  double *increment, *seconds, *defect, *branch, *estimate[ESTIMATES],
+      *memory; /* branch: by how much, else NAN */
   bool estimated;
 } errors;
 
 static gh_status take(report *r, errors *e) {
   const size_t n = (size_t)r->n;
   double sum = 0;
-  GH_TRY(gh_alloc(r->ctx, (3 + ESTIMATES) * n, sizeof *e->memory, &e->memory));
-  GH_TRY(gh_alloc(r->ctx, n, sizeof *e->mark, &e->mark));
+  GH_TRY(gh_alloc(r->ctx, (4 + ESTIMATES) * n, sizeof *e->memory, &e->memory));
   e->increment = e->memory, e->seconds = e->memory + n, e->defect = e->memory + 2 * n;
-  for (int j = 0; j < ESTIMATES; j++) e->estimate[j] = e->memory + (3 + (size_t)j) * n;
+  e->branch = e->memory + 3 * n;
+  for (int j = 0; j < ESTIMATES; j++) e->estimate[j] = e->memory + (4 + (size_t)j) * n;
   GH_TRY(report_seconds(r, e->seconds));
   for (int k = 0; k < r->n; k++) {
     e->increment[k] = k;
     e->seconds[k] = sum += e->seconds[k];
     e->defect[k] = report_history(r, k, "energy_defect");
-    e->mark[k] = report_history(r, k, "branched") > 0 ? 3 : 0;
+    e->branch[k] = report_history(r, k, "branched") > 0 ? report_history(r, k, "estimate_growth") : NAN;
     for (int j = 0; j < ESTIMATES; j++) e->estimate[j][k] = report_history(r, k, columns[j]);
   }
   e->estimated = scene_table_column(&r->history, columns[0]) >= 0;
@@ -69,27 +69,31 @@ static void draw_defect(report *r, const errors *e) {
   report_draw_chart(r->out, &chart);
 }
 
+static const char branch_name[] = "stresses part: the path branches";
+
 static void draw_estimates(report *r, const errors *e) {
   report_chart chart = {.title = "Estimated error at each increment",
                         .x_label = "increment",
                         .y_label = "over the largest value so far",
                         .log_y = true,
                         .line = NAN,
-                        .nseries = ESTIMATES};
+                        .nseries = ESTIMATES + 1};
   for (int j = 0; j < ESTIMATES; j++)
     chart.series[j] = (report_series){.name = names[j], .n = r->n, .x = e->increment, .y = e->estimate[j]};
+  chart.series[ESTIMATES] =
+      (report_series){.name = branch_name, .n = r->n, .x = e->increment, .y = e->branch};
   report_draw_chart(r->out, &chart);
 }
 
 static void draw_time(report *r, const errors *e) {
-  report_chart chart = {.title = "Estimated error of the stress against run time",
-                        .x_label = "seconds since the begin, both paths",
+  report_chart chart = {.title = "Estimated error of the stress",
+                        .x_label = "seconds of solving, both paths",
                         .y_label = "root mean square over the points",
                         .log_y = true,
                         .line = NAN,
-                        .nseries = 1,
-                        .mark_names = {"increment", "", "the path branches in it"},
-                        .series = {{.n = r->n, .x = e->seconds, .y = e->estimate[0], .mark = e->mark}}};
+                        .nseries = 2,
+                        .series = {{.name = "estimate", .n = r->n, .x = e->seconds, .y = e->estimate[0]},
+                                   {.name = branch_name, .n = r->n, .x = e->seconds, .y = e->branch}}};
   report_draw_chart(r->out, &chart);
 }
 
@@ -104,12 +108,13 @@ static void tell_defects(report *r) {
       "<p>Residuals of all converged parts: at most %.1e of the forces (body) and %.1e of the mean "
       "contact force (packings). Energy defect at the end %.1e: the work of the stress on the "
       "deformation, by the trapezoidal rule, less what the packings have stored and dissipated, over "
-      "the largest work. Smooth paths leave an error of second order in the increments there (of "
-      "first with friction); what is above zero is energy that packings lost when their grains "
-      "rearranged. Outer and inner work differ by %.1e",
+      "the largest work. A smooth path leaves the error of the sums there, of second order in the "
+      "increments (of first with friction); what stays with finer increments is energy that packings "
+      "lost when their grains rearranged. Outer and inner work differ by %.1e",
       error(r, "residual"), error(r, "micro_residual"), error(r, "energy_defect"), error(r, "work_defect"));
   if (error(r, "freed_in_jumps") != 0)
-    gh_text_print(r->out, ", apart from %.3g that was set free in jumps", error(r, "freed_in_jumps"));
+    gh_text_print(r->out, ", apart from an energy of %.3g that was set free in jumps",
+                  error(r, "freed_in_jumps"));
   gh_text_print(r->out, ".</p>\n");
 }
 
@@ -153,6 +158,5 @@ gh_status report_error(report *r) {
     gh_text_print(r->out, "</div>\n");
   }
   free(e.memory);
-  free(e.mark);
   return status;
 }
