@@ -18,14 +18,14 @@ static double inner_work(const gh_macro *m) {
   return sum;
 }
 
-/* Of the loads, of what fades and of the supports on the displacements between the two. */
+/* Of the loads, of what fades and of the supports on the displacements between the two. What acts on the nodes
+ * of a footing besides it acts on the body. */
 static double outer_work(gh_macro *m, const gh_attempt *a, double t0) {
   const bool fade = !a->released;
   double sum = gh_footings_work(m, a->to, t0, a->t, fade);
   gh_outer_forces(m, a->to, t0, fade, m->eq.u, m->fext);
   gh_outer_forces(m, a->to, a->t, fade, m->now.u, m->trial);
   for (int d = 0; d < m->ndof; d++) {
-    if (m->owner[d / 2] >= 0) continue; /* moved by the load of its footing */
     double twice = a->to->fixed[d] ? m->eq.fint[d] + m->now.fint[d] : m->fext[d] + m->trial[d];
     sum += 0.5 * twice * (m->now.u[d] - m->eq.u[d]);
   }

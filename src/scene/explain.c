@@ -251,7 +251,7 @@ static void print_error(const gh_run_summary *m, gh_text *out) {
                 "residuals at most %.1e (macro) and %.1e (packings); energy defect %.1e, work defect %.1e of "
                 "the largest work",
                 e->residual, e->micro_residual, gh_energy_defect(e), gh_work_defect(e));
-  if (e->freed != 0) gh_text_print(out, "; %.2g of it set free in jumps", e->freed / e->largest);
+  if (e->freed != 0) gh_text_print(out, "; %.2g of it were set free in jumps", e->freed / e->largest);
   gh_text_print(out, "\n");
   print_estimate(&m->estimate, out);
 }

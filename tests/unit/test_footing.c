@@ -459,6 +459,7 @@ static void test_work(void **state) {
     for (int j = 1; j <= n; j++) {
       begin(&p);
       put(&p, 0.5, 0.4 * j / n, -3.0 * j / n);
+      OK(gh_loads_pressure(p.loads, p.top, 0.3 * j / n, true)); /* on the nodes of the footing as well */
       solve(&p);
     }
     gh_macro_energy(p.macro, &e);
