@@ -155,7 +155,8 @@ double gh_work_defect(const gh_energy *energy);
 /* How the body that goes in halves and the one that goes in whole increments differ. Root mean squares are
  * over the areas of the points, of Frobenius norms. */
 typedef struct gh_difference {
-  bool known;               /* both came to the end of the increment */
+  bool known;  /* both came to the end of the increment */
+  bool halves; /* the present state is that of the halves; false: they failed, and it is the other one */
   gh_macro_report whole;    /* of the whole increment */
   double stress, most;      /* of P at the end: root mean square, and at the point where it is largest */
   double growth, change;    /* root mean squares of how this difference and how P change in the increment */

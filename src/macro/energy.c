@@ -18,8 +18,8 @@ static double inner_work(const gh_macro *m) {
   return sum;
 }
 
-/* Of the loads, of what fades and of the supports on the displacements between the two. What acts on the nodes
- * of a footing besides it acts on the body. */
+/* Of the loads, of what fades and of the supports on the displacements between the two. What acts on the
+ * nodes of a footing besides it acts on the body. */
 static double outer_work(gh_macro *m, const gh_attempt *a, double t0) {
   const bool fade = !a->released;
   double sum = gh_footings_work(m, a->to, t0, a->t, fade);

@@ -145,6 +145,7 @@ static gh_status solve_twice(gh_macro *m, const gh_loads *loads, gh_macro_report
   GH_TRY(go_back(m, &m->begin_of));
   gh_status halves = solve_halves(m, loads, r, d);
   m->apart = d->known = whole == GH_OK && halves == GH_OK;
+  d->halves = halves == GH_OK;
   if (d->known) compare(m, d);
   if (whole == GH_OK && halves == GH_DIVERGED) halves = take_whole(m, r, d);
   if (r->jumps > 0 || d->whole.jumps > 0) m->apart = false;

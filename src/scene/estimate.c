@@ -98,7 +98,6 @@ gh_status scene_solve_twice(const gh_scene *s, gh_macro *m, const gh_loads *load
   if (!d.known)
     gh_log(s->ctx, GH_LEVEL_WARNING,
            "an equilibrium was found %s alone: the error of this increment is not known",
-           whole->substeps > 0 && report->substeps == whole->substeps ? "in the whole increment"
-                                                                      : "in halves");
+           d.halves ? "in halves" : "in the whole increment");
   return GH_OK;
 }
