@@ -8,7 +8,7 @@
 typedef struct run_arguments {
   const char *scene, *folder, *engine;
   long every;
-  bool explain, quiet, restart, no_share, no_balance;
+  bool explain, quiet, restart, no_share, no_balance, estimate;
 } run_arguments;
 
 /* Set by the first SIGINT or SIGTERM, asked before each material point. */
@@ -48,6 +48,7 @@ static int parse(int argc, char **argv, run_arguments *a) {
     else if (strcmp(word, "--restart") == 0) a->restart = true;
     else if (strcmp(word, "--no-share") == 0) a->no_share = true;
     else if (strcmp(word, "--no-balance") == 0) a->no_balance = true;
+    else if (strcmp(word, "--estimate-error") == 0) a->estimate = true;
     else if (strcmp(word, "--explain") == 0) a->explain = true;
     else if (strcmp(word, "--quiet") == 0) a->quiet = true;
     else if (word[0] == '-' && word[1]) return cli_usage(&cli_run, "there is no option '%s'", word);
@@ -90,6 +91,7 @@ static gh_status work(gh_context *ctx, const run_arguments *a) {
   if (a->engine)
     gh_scene_set_engine(scene, strcmp(a->engine, "native") == 0 ? GH_ENGINE_NATIVE : GH_ENGINE_LAMMPS);
   gh_scene_set_sharing(scene, !a->no_share);
+  gh_scene_set_estimate(scene, a->estimate);
   gh_scene_set_ranks(scene, cli_ranks(), a->no_balance);
   gh_status status;
   if (a->explain) {
@@ -160,6 +162,10 @@ const cli_command cli_run = {
         "or "
         "fails writes\n"
         "                            one of its last complete increment too\n"
+        "  --estimate-error          solves each increment a second time in two halves and goes on from "
+        "these: "
+        "an estimate of\n"
+        "                            the error of the path, for about three times the time\n"
         "  --no-share                computes each integration point, also where others have the same "
         "packing "
         "and the same\n"

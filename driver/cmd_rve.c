@@ -2,6 +2,7 @@
 #include "cli.h"
 #include "contact_options.h"
 #include "path.h"
+#include "rve_error.h"
 #include "rve_state.h"
 
 #include "granhom/io.h"
@@ -32,6 +33,8 @@ static const char help[] =
     "                         force (default 1e-8)\n" CLI_RELAXATION_HELP
     "  --max-steps N          relaxation steps after which an increment has no equilibrium and is cut, six\n"
     "                         times at most (default 400000, with friction 50000)\n"
+    "  --estimate-error       goes along the path in halves of its rows, and once more in whole rows: an\n"
+    "                         estimate of the error of the stress, for about three times the time\n"
     "  --tangent FILE         tangent dP/dF of each increment: step,A1111,A1112,...,A2222\n"
     "  --dump FILE            a LAMMPS dump of the grains, one frame per increment (OVITO reads it)\n"
     "  --save-state FILE      converged state at the end of the path (HDF5)\n"
@@ -46,6 +49,7 @@ typedef struct arguments {
   const char *packing, *path, *output, *tangent, *dump, *save, *load;
   contact_options contact;
   gh_rve_options rve;
+  bool estimate;
 } arguments;
 
 typedef struct job {
@@ -53,7 +57,8 @@ typedef struct job {
   const arguments *args;
   gh_packing *packing;
   path_rows path;
-  gh_rve *rve;
+  gh_rve *rve, *whole; /* whole: a second path, in whole rows; NULL without an estimate of the error */
+  rve_error error;
   gh_text *out, *tangent, *dump;
   double written; /* when the files were last written */
 } job;
@@ -101,6 +106,9 @@ static int parse_option(int c, arguments *a) {
       return cli_usage(&cli_rve, "--max-steps must be a positive integer, not \"%s\"", optarg);
     a->rve.max_steps = steps;
     return 0;
+  case 'E':
+    a->estimate = true;
+    return 0;
   case ':':
     return cli_usage(&cli_rve, "%s needs a value", "the last option");
   default:
@@ -120,6 +128,7 @@ static int parse(int argc, char **argv, arguments *a) {
                                           {"save-state", 1, 0, 's'},
                                           {"load-state", 1, 0, 'l'},
                                           {"relaxation", 1, 0, 'r'},
+                                          {"estimate-error", 0, 0, 'E'},
                                           CONTACT_OPTIONS,
                                           {0, 0, 0, 0}};
   *a = (arguments){.rve = gh_rve_defaults()};
@@ -241,32 +250,57 @@ static gh_status start_of_path(job *j, double F[4]) {
   return status;
 }
 
-/* Evaluates at `to`. An increment that has no equilibrium is cut: parts of it are committed on the way. */
-static gh_status reach(job *j, long step, const double from[4], const double to[4], double P[4],
+/* Evaluates at `to`, in parts that are not longer than `halvings` make them. An increment that has no
+ * equilibrium is cut: parts of it are committed on the way. */
+static gh_status reach(job *j, gh_rve *rve, int halvings, long step, const double from[4], const double to[4],
                        double A[16]) {
   enum { MOST_CUTS = 6 };
-  double t = 0, dt = 1;
+  double t = 0, dt = ldexp(1, -halvings), P[4];
+  const bool main = rve == j->rve;
   int cuts = 0, parts = 0;
-  for (int level = 0;;) {
+  for (int level = halvings;;) {
     double F[4];
     bool last = t + dt == 1;
     for (int k = 0; k < 4; k++) F[k] = last ? to[k] : from[k] + (t + dt) * (to[k] - from[k]);
-    gh_status status = gh_rve_evaluate(j->rve, F, last && j->tangent ? GH_WANT_TANGENT : 0, P, A);
-    if (status == GH_DIVERGED && level < MOST_CUTS) {
-      GH_TRY(gh_rve_revert(j->rve));
+    gh_status status = gh_rve_evaluate(rve, F, last && main && j->tangent ? GH_WANT_TANGENT : 0, P, A);
+    if (status == GH_DIVERGED && level < MOST_CUTS + halvings) {
+      GH_TRY(gh_rve_revert(rve));
       dt /= 2, level++, cuts++;
       continue;
     }
     if (status != GH_OK && parts) gh_prefix(j->ctx, status, "after %d parts of the increment: ", parts);
     GH_TRY(status);
+    if (main) rve_error_count(&j->error, gh_rve_measure(rve));
     if (last) break;
-    GH_TRY(gh_rve_commit(j->rve));
+    GH_TRY(gh_rve_commit(rve));
     t += dt, parts++;
-    if (level > 0 && fmod(t, 2 * dt) == 0) dt *= 2, level--;
+    if (level > halvings && fmod(t, 2 * dt) == 0) dt *= 2, level--;
   }
-  if (cuts)
+  if (cuts && main)
     gh_log(j->ctx, GH_LEVEL_INFO, "step %ld: no equilibrium at once, reached in %d parts", step, parts + 1);
   return GH_OK;
+}
+
+/* The second path goes on from where the first one is. */
+static gh_status join(job *j) {
+  size_t size = gh_rve_trial_size(j->rve);
+  double *state;
+  GH_TRY(gh_alloc(j->ctx, size, sizeof *state, &state));
+  gh_rve_save_trial(j->rve, state);
+  gh_status status = gh_rve_load(j->whole, state, size);
+  free(state);
+  return status;
+}
+
+/* The row on the second path, compared with the trial state of the first. */
+static gh_status compare(job *j, long step, const double from[4], const double to[4]) {
+  gh_status status = reach(j, j->whole, 0, step, from, to, NULL);
+  if (status != GH_OK && status != GH_DIVERGED) return status;
+  const double *whole = status == GH_OK ? gh_rve_measure(j->whole)->P : NULL;
+  const bool branched = rve_error_compare(&j->error, gh_rve_measure(j->rve)->P, whole, &j->args->rve);
+  gh_log(j->ctx, GH_LEVEL_INFO, "step %ld: estimated error of the stress %.2g of the largest%s", step,
+         j->error.now > 0 ? j->error.now / j->error.scale : 0, branched ? "; the path branches here" : "");
+  return branched ? join(j) : gh_rve_commit(j->whole);
 }
 
 static gh_status walk(job *j) {
@@ -276,11 +310,12 @@ static gh_status walk(job *j) {
   int row = 0, rows = j->path.csv->nrows;
   gh_work_begin(j->ctx, &work, "rve", "increments", rows);
   for (; row < rows && status == GH_OK; row++) {
-    double F[4], P[4], A[16];
+    double F[4], A[16];
     path_F(&j->path, row, F);
     long step = path_step(&j->path, row);
-    status = reach(j, step, from, F, P, A);
+    status = reach(j, j->rve, j->whole ? 1 : 0, step, from, F, A);
     if (status == GH_OK) status = write_row(j, step, A);
+    if (status == GH_OK && j->whole) status = compare(j, step, from, F);
     if (status == GH_OK) status = gh_rve_commit(j->rve);
     memcpy(from, F, sizeof from);
     if (status != GH_OK) gh_prefix(j->ctx, status, "step %ld: ", step);
@@ -288,6 +323,7 @@ static gh_status walk(job *j) {
     if (status == GH_OK && gh_seconds() - j->written > WRITE_EVERY) status = write_files(j, false);
   }
   gh_work_end(j->ctx, &work, row);
+  rve_error_tell(j->ctx, &j->error);
   return status;
 }
 
@@ -310,6 +346,8 @@ static gh_status rve(job *j) {
   GH_TRY(cli_mpi(j->ctx, true));
   GH_TRY(gh_rve_create(j->ctx, j->packing, &a->rve, &j->rve));
   if (a->load) GH_TRY(rve_state_load(j->ctx, a->load, j->rve, &a->rve, j->packing));
+  if (a->estimate) GH_TRY(gh_rve_create(j->ctx, j->packing, &a->rve, &j->whole));
+  if (a->estimate) GH_TRY(join(j));
   GH_TRY(gh_text_create(j->ctx, &j->out));
   if (a->tangent) GH_TRY(gh_text_create(j->ctx, &j->tangent));
   if (a->dump) GH_TRY(gh_text_create(j->ctx, &j->dump));
@@ -326,6 +364,7 @@ static int run(int argc, char **argv) {
   if (!j.ctx) return 1;
   gh_status status = rve(&j);
   gh_rve_destroy(&j.rve);
+  gh_rve_destroy(&j.whole);
   gh_text_destroy(&j.out);
   gh_text_destroy(&j.tangent);
   gh_text_destroy(&j.dump);

@@ -57,6 +57,15 @@ gh_status gh_farm_evaluate(gh_farm *farm, const double *F, unsigned want, double
 gh_status gh_farm_commit(gh_farm *farm); /* trial state becomes the converged state */
 gh_status gh_farm_revert(gh_farm *farm); /* trial state is dropped */
 
+/* The converged states of all points as they are now, to come back to. States never change once they are
+ * written, so that this keeps references; nothing is copied or sent. To be dropped before the farm.
+ * GH_INPUT: no RVEs. */
+typedef struct gh_farm_mark gh_farm_mark;
+gh_status gh_farm_mark_states(gh_farm *farm, gh_farm_mark **mark);
+/* Trial states are dropped; measures are those of the mark. Any number of times. */
+void gh_farm_return(gh_farm *farm, const gh_farm_mark *mark);
+void gh_farm_drop_mark(gh_farm *farm, gh_farm_mark **mark);
+
 /* Measures of the last evaluation of a point; NULL when the farm is not made of RVEs. */
 const gh_rve_measures *gh_farm_measure(const gh_farm *farm, int point);
 /* Grains and contacts of a point in its last evaluation, which must have been a success. Pointers belong to

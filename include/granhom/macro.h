@@ -132,6 +132,53 @@ gh_status gh_macro_balance(gh_macro *macro);
  * the state is that of the last converged part (farm reverted), and the message names the integration point
  * or the node with the largest residual and the reason. */
 gh_status gh_macro_solve(gh_macro *macro, const gh_loads *loads, gh_macro_report *report);
+/* ---- what it knows of its error (docs/method.md) ---- */
+
+/* Of all converged parts since the energy was set to zero; the residuals since the begin. */
+typedef struct gh_energy {
+  double inner_work; /* int P : dF dV0 by the trapezoidal rule over the parts */
+  double outer_work; /* of loads, supports and what fades on the displacements, likewise */
+  double freed;      /* what of outer_work exceeds the inner one in jumps, where nothing balances: set free */
+  double energy, dissipation; /* gained by the packings and dissipated by friction, summed with the weights of
+                                 the points; NAN when the farm is not made of RVEs */
+  double largest;             /* largest |inner_work| or |energy + dissipation| seen */
+  double residual, micro_residual; /* largest relative residual of a part, and of a packing in it */
+} gh_energy;
+void gh_macro_energy(const gh_macro *macro, gh_energy *energy);
+/* The present equilibrium is the zero from now on; without this u = 0 is. */
+void gh_macro_zero_energy(gh_macro *macro);
+/* Hill-Mandel: inner work less what the packings have gained and dissipated, over `largest`. */
+double gh_energy_defect(const gh_energy *energy);
+/* Outer work, what was set free in jumps apart, less inner work, over `largest`. */
+double gh_work_defect(const gh_energy *energy);
+
+/* How the body that goes in halves and the one that goes in whole increments differ. Root mean squares are
+ * over the areas of the points, of Frobenius norms. */
+typedef struct gh_difference {
+  bool known;  /* both came to the end of the increment */
+  bool halves; /* the present state is that of the halves; false: they failed, and it is the other one */
+  gh_macro_report whole;    /* of the whole increment */
+  double stress, most;      /* of P at the end: root mean square, and at the point where it is largest */
+  double growth, change;    /* root mean squares of how this difference and how P change in the increment */
+  double scale, scale_most; /* root mean square and largest |P| at the end */
+  double displacement, scale_u; /* Euclidean norms of the difference of u, and of u */
+  const double *reactions;      /* in whole increments, nnodes x 2; the macro's, valid until the next call */
+  double seconds;               /* of the halves */
+} gh_difference;
+/* gh_macro_solve for two bodies that begin as one: the present state goes on in halves of the increment (of
+ * its shortest part where the other was cut), another one in whole increments. Where only one of them finds
+ * an equilibrium, or a jump was passed, both go on from it as one. The report is that of the present state,
+ * with the seconds of both; the watch sees the halves alone. GH_INPUT: a farm without RVEs. */
+gh_status gh_macro_solve_twice(gh_macro *macro, const gh_loads *loads, gh_macro_report *report,
+                               gh_difference *difference);
+/* Both go on from the present state as one. */
+void gh_macro_join(gh_macro *macro);
+/* Whether the two are apart; exchanges them (for saving both); makes the present state, macro and farm, the
+ * one of the whole increments (for loading both: this one first). */
+bool gh_macro_apart(const gh_macro *macro);
+gh_status gh_macro_exchange(gh_macro *macro);
+gh_status gh_macro_part(gh_macro *macro);
+
 /* How often the next increments may be halved, in place of the option's cut_steps (0 ... 40). */
 void gh_macro_allow_cuts(gh_macro *macro, int cut_steps);
 

@@ -23,6 +23,8 @@ void gh_scene_destroy(gh_scene **scene);
 void gh_scene_set_engine(gh_scene *scene, gh_engine_kind engine);
 /* false: each integration point is computed, also where others have the same packing and history. */
 void gh_scene_set_sharing(gh_scene *scene, bool share);
+/* true: a second body goes in whole increments, the run in halves of them, and it estimates its error. */
+void gh_scene_set_estimate(gh_scene *scene, bool estimate);
 /* For gh_scene_explain: the ranks it would run on (0: this build has no MPI), and whether RVEs stay where
  * they began. */
 void gh_scene_set_ranks(gh_scene *scene, int ranks, bool no_balance);
@@ -64,6 +66,28 @@ typedef struct gh_run_options {
   int checkpoint_every; /* increments from one checkpoint to the next; 0: 1 */
 } gh_run_options;
 
+/* Of what a run estimates its error: Piola stress in the root mean square over the points, and at the point
+ * where it is largest; displacements; the force on the driven set (all reactions where none is driven). */
+enum { GH_ERROR_STRESS, GH_ERROR_STRESS_LARGEST, GH_ERROR_DISPLACEMENT, GH_ERROR_FORCE, GH_ERRORS };
+
+/* Estimate by step doubling (docs/method.md, "What a run knows of its error"). */
+typedef struct gh_run_estimate {
+  int increments;           /* compared */
+  int branched;             /* of these: the path is another one in halves, or not continuous */
+  double now[GH_ERRORS];    /* error at the last increment */
+  double error[GH_ERRORS];  /* the largest of all increments */
+  double scale[GH_ERRORS];  /* largest value of the quantity up to now */
+  double off[GH_ERRORS];    /* difference of the two paths now, since they were last one path */
+  double before[GH_ERRORS]; /* sum of their differences when they had to become one again */
+  double growth, branch;    /* of the difference of stresses, over their scale: in the last
+                               increment, and the largest in a branched one */
+  int last_branched;        /* the last increment was */
+  double seconds;           /* of the halves: what the estimate costs on top */
+} gh_run_estimate;
+/* error and now over scale. */
+double gh_estimated_error(const gh_run_estimate *estimate, int quantity);
+double gh_estimated_now(const gh_run_estimate *estimate, int quantity);
+
 typedef struct gh_run_summary {
   int steps, increments;                 /* done, without the start */
   int iterations, substeps, cuts, jumps; /* of the whole run */
@@ -72,6 +96,8 @@ typedef struct gh_run_summary {
   double min_acoustic;                   /* smallest eigenvalue of any acoustic tensor at the end */
   gh_rve_cost cost;                      /* of the material points, summed */
   gh_farm_counts farm;
+  gh_energy energy;         /* from the start on */
+  gh_run_estimate estimate; /* no increments: none was asked for */
   double micro_seconds, results_seconds, seconds;
 } gh_run_summary;
 

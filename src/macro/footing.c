@@ -264,6 +264,21 @@ double gh_footings_residual(const gh_macro *m, const gh_loads *to, double t, boo
   return square;
 }
 
+/* Dead loads: force . dx of the point where it acts is force . dc plus the change of r_p . f. */
+double gh_footings_work(const gh_macro *m, const gh_loads *to, double t0, double t1, bool fade) {
+  double sum = 0;
+  for (int k = 0; k < m->nfootings; k++) {
+    const gh_footing *f = m->footing + k;
+    const gh_footing_load load = mix(&f->from, to->footing + k, 0.5 * (t0 + t1));
+    const frame from = find_frame(m->mesh, f->end, m->eq.u), here = find_frame(m->mesh, f->end, m->now.u);
+    const double turn = atan2(from.a * here.b - from.b * here.a, from.a * here.a + from.b * here.b);
+    const double q[3] = {here.c[0] - from.c[0], here.c[1] - from.c[1], turn * f->half};
+    sum += load.force[0] * q[0] + load.force[1] * q[1] + virial(&load, &here) - virial(&load, &from);
+    for (int i = 0; i < 3 && fade; i++) sum += (1 - 0.5 * (t0 + t1)) * f->fade[i] * q[i];
+  }
+  return sum;
+}
+
 void gh_footings_tangent(gh_macro *m, const gh_loads *to, double t, const double *u, const double *R) {
   for (int k = 0; k < m->nfootings; k++) {
     const gh_footing *f = m->footing + k;

@@ -28,9 +28,10 @@ static gh_status rebase(gh_macro *m, const gh_loads *to, double t) {
   return GH_OK;
 }
 
-/* m->now becomes the state from which the farm goes on. */
-static gh_status commit(gh_macro *m, const gh_attempt *a) {
+/* m->now becomes the state from which the farm goes on; m->eq lies at the fraction t0. */
+static gh_status commit(gh_macro *m, const gh_attempt *a, double t0, bool evaluated, bool balanced) {
   GH_TRY(gh_farm_commit(m->farm));
+  gh_energy_count(m, a, t0, evaluated, balanced);
   gh_state_swap(&m->eq, &m->now);
   gh_outer_forces(m, a->to, a->t, false, m->eq.u, m->fext);
   for (int d = 0; d < m->ndof; d++)
@@ -48,16 +49,19 @@ typedef struct walk {
 } walk;
 
 static gh_status succeed(gh_macro *m, const gh_attempt *a, int iterations, walk *w, gh_macro_report *r) {
-  GH_TRY(commit(m, a));
+  GH_TRY(commit(m, a, w->t, iterations > 0, true));
   r->substeps++;
   r->residual = a->residual;
   r->relative = a->residual > 0 ? a->residual / a->scale : 0;
+  gh_energy_residual(m, r->relative);
+  if (w->level > m->deepest) m->deepest = w->level;
   w->t = a->t;
   w->again = 0;
   w->change = INFINITY;
   /* Parts grow on the grid of halves, quarters, ..., so that they end at 1 and are never cut finer than the
    * option says. */
-  if (w->level > 0 && 2 * iterations <= m->options.max_iterations && fmod(w->t, 2 * w->dt) == 0) {
+  if (w->level > m->first_level && 2 * iterations <= m->options.max_iterations &&
+      fmod(w->t, 2 * w->dt) == 0) {
     w->level--;
     w->dt *= 2;
   }
@@ -72,7 +76,7 @@ static gh_status pass_jump(gh_macro *m, gh_attempt *a, walk *w, gh_macro_report 
   if (!m->options.pass_jumps || r->jumps == JUMPS || w->again == AGAIN) return GH_DIVERGED;
   double residual = m->jump.residual;
   GH_TRY(gh_jump_take(m));
-  GH_TRY(commit(m, a));
+  GH_TRY(commit(m, a, w->t, true, false));
   GH_TRY(rebase(m, a->to, a->t));
   w->t = 0; /* the way is counted from here, and the event has happened, also if what follows fails */
   r->jumps++;
@@ -84,8 +88,8 @@ static gh_status pass_jump(gh_macro *m, gh_attempt *a, walk *w, gh_macro_report 
   w->again = m->jump.point != w->point || residual < 0.5 * w->jump_residual ? 0 : w->again + 1;
   w->point = m->jump.point;
   w->jump_residual = residual;
-  w->dt = 1;
-  w->level = 0;
+  w->dt = ldexp(1, -m->first_level);
+  w->level = m->first_level;
   w->change = INFINITY;
   gh_log(m->ctx, GH_LEVEL_INFO,
          "passed a jump of the packings: integration point %d, stress changes by %.3g, %.3g out of balance",
@@ -100,9 +104,10 @@ static gh_status pass_jump(gh_macro *m, gh_attempt *a, walk *w, gh_macro_report 
 static bool is_jump(const gh_macro *m, walk *w, int jumps) {
   bool candidate = m->options.pass_jumps && isfinite(m->jump.residual),
        stays = m->jump.change > 0.6 * w->change;
+  const int cuts = w->level - m->first_level;
   w->change = candidate ? m->jump.change : INFINITY;
-  if (w->again > 0) return candidate && w->level >= 2 + w->again;
-  return candidate && (jumps > 0 || (w->level >= 2 && stays));
+  if (w->again > 0) return candidate && cuts >= 2 + w->again;
+  return candidate && (jumps > 0 || (cuts >= 2 && stays));
 }
 
 static void cut(walk *w, gh_macro_report *r) {
@@ -114,7 +119,7 @@ static void cut(walk *w, gh_macro_report *r) {
 /* After a failed attempt: cut, or pass a jump, or give up. */
 static gh_status recover(gh_macro *m, gh_attempt *a, walk *w, gh_macro_report *r) {
   GH_TRY(gh_farm_revert(m->farm));
-  bool last = w->level >= m->options.cut_steps;
+  bool last = w->level >= m->options.cut_steps + m->first_level;
   if (!is_jump(m, w, r->jumps) && !last) {
     cut(w, r);
     return GH_OK;
@@ -153,10 +158,15 @@ static gh_status advance(gh_macro *m, const gh_loads *loads, walk *w, gh_macro_r
 
 gh_status gh_macro_solve(gh_macro *m, const gh_loads *loads, gh_macro_report *report) {
   gh_macro_report unused, *r = report ? report : &unused;
-  walk w = {.dt = 1, .point = -1, .jump_residual = INFINITY, .change = INFINITY};
+  walk w = {.dt = ldexp(1, -m->first_level),
+            .level = m->first_level,
+            .point = -1,
+            .jump_residual = INFINITY,
+            .change = INFINITY};
   *r = (gh_macro_report){0};
   m->begin = gh_seconds();
   m->micro_seconds = 0;
+  m->deepest = 0;
   if (loads->mesh != m->mesh) return gh_fail(m->ctx, GH_INPUT, "the loads belong to another mesh");
   GH_TRY(gh_footings_begin(m, loads));
   GH_TRY(gh_supports_check(m->ctx, m->mesh, loads->fixed, m->nfootings, m->footing));

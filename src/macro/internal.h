@@ -94,6 +94,8 @@ void gh_footings_rebase(gh_macro *m, const gh_loads *to, double t, const double 
  */
 double gh_footings_residual(const gh_macro *m, const gh_loads *to, double t, bool fade, const double *u,
                             double *R);
+/* Work of the footings' loads, and of what fades, from m->eq at the fraction t0 to m->now at t1. */
+double gh_footings_work(const gh_macro *m, const gh_loads *to, double t0, double t1, bool fade);
 /* Tells the system how nodes turn with the footings; R: internal minus outer nodal forces at u. */
 void gh_footings_tangent(gh_macro *m, const gh_loads *to, double t, const double *u, const double *R);
 
@@ -156,6 +158,22 @@ typedef struct gh_jump {
   double change;   /* by how much */
 } gh_jump;
 
+/* What has added up since the energy was set to zero (energy.c). All of it is saved with the state. */
+typedef struct gh_tally {
+  double inner, outer, freed;      /* work; freed: outer minus inner of steps that were not in balance */
+  double energy, dissipation;      /* of the packings now, */
+  double energy0, dissipation0;    /* and when it was zero */
+  double largest;                  /* of |inner| and |energy + dissipation| since then */
+  double residual, micro_residual; /* largest of all converged parts */
+} gh_tally;
+
+/* The way back to a state between two increments (estimate.c). */
+typedef struct gh_keep {
+  double *state;
+  size_t size, capacity;
+  gh_farm_mark *mark;
+} gh_keep;
+
 struct gh_macro {
   gh_context *ctx;
   const gh_mesh *mesh;
@@ -188,6 +206,13 @@ struct gh_macro {
   double *elastic; /* npoints x 16: tangents at u = 0 before the first increment; NULL when not in use */
   bool started;    /* the stress at u = 0 is known */
   bool solved;     /* an increment was begun */
+  gh_tally tally;
+  int first_level;  /* parts of an increment are not longer than this many halvings make them; 0 */
+  int deepest;      /* halvings of its shortest converged part */
+  gh_keep begin_of; /* of the increment that is solved twice */
+  gh_keep whole;    /* the body that goes in whole increments, */
+  bool apart;       /* where it is another than the present one */
+  double *compared; /* of solving twice (estimate.c) */
   double begin, micro_seconds;
 };
 
@@ -226,6 +251,20 @@ gh_status gh_newton(gh_macro *m, gh_attempt *a);
  * down the energy and with a commit after every step, so that the packings go along through their
  * rearrangements (method 6). GH_OK: m->now is in equilibrium and committed, m->eq is the same. */
 gh_status gh_follow(gh_macro *m, gh_attempt *a);
+
+/* ---- energy.c ---- */
+
+/* m->eq was evaluated as the first state: energies are counted from here. */
+void gh_energy_begin(gh_macro *m);
+/* The body goes from m->eq at the fraction t0 to m->now at a->t, which is about to be committed. evaluated:
+ * the farm's measures are those of m->now, else both are the same. balanced: both are equilibria. Uses
+ * m->fext and m->trial. */
+void gh_energy_count(gh_macro *m, const gh_attempt *a, double t0, bool evaluated, bool balanced);
+void gh_energy_residual(gh_macro *m, double relative); /* of a converged part */
+
+/* ---- estimate.c ---- */
+
+void gh_estimate_free(gh_macro *m);
 
 /* ---- jump.c ---- */
 

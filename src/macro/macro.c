@@ -117,6 +117,7 @@ gh_status gh_macro_create(gh_context *ctx, const gh_mesh *mesh, gh_farm *farm,
 void gh_macro_destroy(gh_macro **macro) {
   if (!macro || !*macro) return;
   gh_macro *m = *macro;
+  gh_estimate_free(m);
   gh_shapes_destroy(&m->shapes);
   gh_system_destroy(&m->system);
   state_destroy(&m->eq);
@@ -231,6 +232,7 @@ gh_status gh_macro_start(gh_macro *m) {
   if (status != GH_OK) return gh_prefix(m->ctx, status, "stress at the start (u = 0): ");
   if (m->elastic) memcpy(m->elastic, m->eq.A, 16 * (size_t)m->npoints * sizeof *m->elastic);
   m->started = true;
+  gh_energy_begin(m);
   return GH_OK;
 }
 

@@ -336,6 +336,7 @@ gh_status gh_follow(gh_macro *m, gh_attempt *a) {
     GH_TRY(gh_system_descend(m->system, m->trial, m->du));
     GH_TRY(descend(m, a, &step));
     GH_TRY(gh_farm_commit(m->farm));
+    gh_energy_count(m, a, a->t, true, false);
     gh_state_copy(m, &m->now, &m->eq);
     a->iterations++;
     report(m, a, k + 1, first, step);

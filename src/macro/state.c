@@ -5,8 +5,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* ndof, npoints, following edges, started, solved, footings; numbers of an edge and of a footing */
-enum { HEAD = 6, EDGE = 3, FOOTING = 7 };
+/* ndof, npoints, following edges, started, solved, footings; the tally; numbers of an edge and of a footing
+ */
+enum { HEAD = 6, TALLY = sizeof(gh_tally) / sizeof(double), EDGE = 3, FOOTING = 7 };
 
 /* The arrays that an increment begins with: the last equilibrium and what holds it. All else is made anew. */
 typedef struct piece {
@@ -26,7 +27,7 @@ static int pieces(const gh_macro *m, piece list[PIECES]) {
 
 static size_t size_for(const gh_macro *m, size_t edges, size_t footings) {
   piece list[PIECES];
-  size_t size = HEAD + EDGE * edges + FOOTING * footings;
+  size_t size = HEAD + TALLY + EDGE * edges + FOOTING * footings;
   for (int k = 0, n = pieces(m, list); k < n; k++) size += list[k].n;
   return size;
 }
@@ -40,6 +41,8 @@ void gh_macro_save(const gh_macro *m, double *state) {
   const double head[HEAD] = {m->ndof, m->npoints, m->follow.n, m->started, m->solved, m->nfootings};
   memcpy(state, head, sizeof head);
   state += HEAD;
+  memcpy(state, &m->tally, sizeof m->tally);
+  state += TALLY;
   for (int k = 0, n = pieces(m, list); k < n; k++) {
     memcpy(state, list[k].data, list[k].n * sizeof *state);
     state += list[k].n;
@@ -85,6 +88,8 @@ gh_status gh_macro_load(gh_macro *m, const double *state, size_t size) {
   m->started = state[3] != 0;
   m->solved = state[4] != 0;
   state += HEAD;
+  memcpy(&m->tally, state, sizeof m->tally);
+  state += TALLY;
   for (int k = 0, n = pieces(m, list); k < n; k++) {
     memcpy(list[k].data, state, list[k].n * sizeof *state);
     state += list[k].n;

@@ -10,7 +10,7 @@
 #include <unistd.h>
 
 #define FILE_NAME "checkpoint.h5"
-#define FORMAT "granhom checkpoint 1"
+#define FORMAT "granhom checkpoint 2"
 
 enum { POSITION = 4, HEX = 17, WORDS = (sizeof(gh_run_summary) + 7) / 8 };
 
@@ -69,20 +69,23 @@ typedef struct mark {
   const char *name, *what;
   char value[64];
 } mark;
-enum { MARKS = 5 };
+enum { MARKS = 6 };
 
 static void find_marks(const gh_scene *s, mark list[MARKS]) {
-  static const mark names[MARKS] = {{"/made/format", "is no checkpoint of this version of granhom", FORMAT},
-                                    {"/made/scene", "belongs to another scene file", ""},
-                                    {"/made/mesh", "belongs to another mesh", ""},
-                                    {"/made/packings", "belongs to other packings", ""},
-                                    {"/made/engine", "was made with another engine", ""}};
+  static const mark names[MARKS] = {
+      {"/made/format", "is no checkpoint of this version of granhom", FORMAT},
+      {"/made/scene", "belongs to another scene file", ""},
+      {"/made/mesh", "belongs to another mesh", ""},
+      {"/made/packings", "belongs to other packings", ""},
+      {"/made/engine", "was made with another engine", ""},
+      {"/made/estimate", "was made with another choice of --estimate-error", ""}};
   memcpy(list, names, sizeof names);
   hex(add_bytes(first_sum, s->text, strlen(s->text)), list[1].value);
   hex(sum_mesh(s), list[2].value);
   hex(sum_packings(s), list[3].value);
   snprintf(list[4].value, sizeof list[4].value, "%s",
            s->micro.engine == GH_ENGINE_NATIVE ? "native" : "lammps");
+  snprintf(list[5].value, sizeof list[5].value, "%s", s->estimate ? "yes" : "no");
 }
 
 /* ---- datasets that count into the checksum ---- */
@@ -159,6 +162,11 @@ static gh_status get_bytes(archive *a, const char *name, size_t *size, char **da
 
 /* ---- writing ---- */
 
+static const char *in(char name[64], const char *folder, const char *what) {
+  snprintf(name, 64, "%s/%s", folder, what);
+  return name;
+}
+
 static gh_status put_marks(archive *a, const gh_scene *s) {
   mark list[MARKS];
   find_marks(s, list);
@@ -193,32 +201,44 @@ static gh_status put_texts(archive *a, const scene_results *r) {
   return GH_OK;
 }
 
-static gh_status put_macro(archive *a, const scene_results *r) {
+static gh_status put_macro(archive *a, const char *name, const scene_results *r) {
   size_t n = gh_macro_state_size(r->macro);
   double *state;
   GH_TRY(gh_alloc(a->ctx, n, sizeof *state, &state));
   gh_macro_save(r->macro, state);
-  gh_status status = put_doubles(a, "/macro", n, state);
+  gh_status status = put_doubles(a, name, n, state);
   free(state);
   return status;
 }
 
-static gh_status put_farm(archive *a, const scene_results *r) {
+static gh_status put_farm(archive *a, const char *folder, const scene_results *r) {
   gh_farm_image f;
+  char name[64];
   gh_status status;
   double *sizes = NULL;
   GH_TRY_OR(gh_farm_save(r->farm, &f), done);
   size_t n = (size_t)f.npoints, ns = (size_t)f.nstates;
   GH_TRY_OR(gh_alloc(a->ctx, ns + 1, sizeof *sizes, &sizes), done);
   for (size_t k = 0; k <= ns; k++) sizes[k] = (double)f.start[k];
-  GH_TRY_OR(put_ints(a, "/farm/state", n, f.state), done);
-  GH_TRY_OR(put_doubles(a, "/farm/start", ns + 1, sizes), done);
-  GH_TRY_OR(put_doubles(a, "/farm/data", f.start[ns], f.data), done);
-  status = put_doubles(a, "/farm/measure", n * (size_t)f.nwords, f.measure);
+  GH_TRY_OR(put_ints(a, in(name, folder, "state"), n, f.state), done);
+  GH_TRY_OR(put_doubles(a, in(name, folder, "start"), ns + 1, sizes), done);
+  GH_TRY_OR(put_doubles(a, in(name, folder, "data"), f.start[ns], f.data), done);
+  status = put_doubles(a, in(name, folder, "measure"), n * (size_t)f.nwords, f.measure);
 done:
   free(sizes);
   gh_farm_image_free(&f);
   return status;
+}
+
+/* The body that goes in whole increments for an estimate of the error. */
+static gh_status put_whole(archive *a, const scene_results *r) {
+  const int apart = gh_macro_apart(r->macro);
+  GH_TRY(put_ints(a, "/whole/apart", 1, &apart));
+  if (!apart) return GH_OK;
+  GH_TRY(gh_macro_exchange(r->macro));
+  GH_TRY(put_macro(a, "/whole/macro", r));
+  GH_TRY(put_farm(a, "/whole/farm", r));
+  return gh_macro_exchange(r->macro);
 }
 
 gh_status scene_checkpoint_make(const scene_results *r, const scene_position *p, gh_h5 **file) {
@@ -231,8 +251,9 @@ gh_status scene_checkpoint_make(const scene_results *r, const scene_position *p,
   GH_TRY_OR(put_marks(&a, r->scene), failed);
   GH_TRY_OR(put_position(&a, r, p), failed);
   GH_TRY_OR(put_texts(&a, r), failed);
-  GH_TRY_OR(put_macro(&a, r), failed);
-  GH_TRY_OR(put_farm(&a, r), failed);
+  GH_TRY_OR(put_macro(&a, "/macro", r), failed);
+  GH_TRY_OR(put_farm(&a, "/farm", r), failed);
+  if (r->scene->estimate) GH_TRY_OR(put_whole(&a, r), failed);
   hex(a.sum, check);
   GH_TRY_OR(gh_h5_put_text(a.file, "/check", check), failed);
   *file = a.file;
@@ -267,9 +288,10 @@ static gh_status check_marks(archive *a, const gh_scene *s) {
 typedef struct content {
   int *where;
   char *summary, *started, *text[SCENE_TEXTS];
-  double **begin_u, *macro;
-  gh_farm_image farm;
-  size_t summary_size, macro_size, length[SCENE_TEXTS];
+  double **begin_u, *macro, *whole_macro;
+  gh_farm_image farm, whole_farm;
+  size_t summary_size, macro_size, whole_size, length[SCENE_TEXTS];
+  bool apart; /* the two whole_ are there */
 } content;
 
 static void free_content(const gh_scene *s, content *c) {
@@ -277,10 +299,12 @@ static void free_content(const gh_scene *s, content *c) {
   free(c->summary);
   free(c->started);
   free(c->macro);
+  free(c->whole_macro);
   for (int k = 0; k < SCENE_TEXTS; k++) free(c->text[k]);
   for (int k = 0; c->begin_u && k <= s->nsteps; k++) free(c->begin_u[k]);
   free(c->begin_u);
   gh_farm_image_free(&c->farm);
+  gh_farm_image_free(&c->whole_farm);
 }
 
 static gh_status get_position(archive *a, const gh_scene *s, content *c) {
@@ -314,25 +338,36 @@ static gh_status get_texts(archive *a, const scene_results *r, content *c) {
   return GH_OK;
 }
 
-static gh_status get_farm(archive *a, content *c) {
-  gh_farm_image *f = &c->farm;
+static gh_status get_farm(archive *a, const char *folder, gh_farm_image *f) {
+  char name[64];
   size_t n, starts, nmeasure, ndata;
   double *start = NULL;
   gh_status status;
-  GH_TRY_OR(get_ints(a, "/farm/state", &n, &f->state), done);
-  GH_TRY_OR(get_doubles(a, "/farm/start", &starts, &start), done);
-  GH_TRY_OR(get_doubles(a, "/farm/data", &ndata, &f->data), done);
-  GH_TRY_OR(get_doubles(a, "/farm/measure", &nmeasure, &f->measure), done);
+  GH_TRY_OR(get_ints(a, in(name, folder, "state"), &n, &f->state), done);
+  GH_TRY_OR(get_doubles(a, in(name, folder, "start"), &starts, &start), done);
+  GH_TRY_OR(get_doubles(a, in(name, folder, "data"), &ndata, &f->data), done);
+  GH_TRY_OR(get_doubles(a, in(name, folder, "measure"), &nmeasure, &f->measure), done);
   GH_TRY_OR(gh_alloc(a->ctx, starts + 1, sizeof *f->start, &f->start), done);
   for (size_t k = 0; k < starts; k++) f->start[k] = start[k] >= 0 ? (size_t)start[k] : 0;
   f->npoints = (int)n;
   f->nstates = (int)starts - 1;
   f->nwords = n > 0 ? (int)(nmeasure / n) : 0;
   if (n < 1 || starts < 1 || f->start[starts - 1] != ndata || nmeasure != n * (size_t)f->nwords)
-    status = gh_fail(a->ctx, GH_INPUT, "the lists in /farm do not fit each other");
+    status = gh_fail(a->ctx, GH_INPUT, "the lists in %s do not fit each other", folder);
 done:
   free(start);
   return status;
+}
+
+static gh_status get_whole(archive *a, content *c) {
+  size_t n;
+  int *apart = NULL;
+  gh_status status = get_ints(a, "/whole/apart", &n, &apart);
+  c->apart = status == GH_OK && n == 1 && apart[0];
+  free(apart);
+  if (!c->apart) return status;
+  GH_TRY(get_doubles(a, "/whole/macro", &c->whole_size, &c->whole_macro));
+  return get_farm(a, "/whole/farm", &c->whole_farm);
 }
 
 static gh_status get_all(archive *a, const scene_results *r, content *c) {
@@ -342,7 +377,8 @@ static gh_status get_all(archive *a, const scene_results *r, content *c) {
   GH_TRY(get_position(a, r->scene, c));
   GH_TRY(get_texts(a, r, c));
   GH_TRY(get_doubles(a, "/macro", &c->macro_size, &c->macro));
-  GH_TRY(get_farm(a, c));
+  GH_TRY(get_farm(a, "/farm", &c->farm));
+  if (r->scene->estimate) GH_TRY(get_whole(a, c));
   hex(a->sum, check);
   GH_TRY(gh_h5_get_text(a->file, "/check", sizeof stored, stored));
   if (strcmp(check, stored) == 0) return GH_OK;
@@ -361,6 +397,11 @@ static gh_status use(scene_results *r, scene_position *p, content *c) {
   snprintf(r->started, sizeof r->started, "%s", c->started);
   scene_results_texts(r, list);
   for (int k = 0; k < SCENE_TEXTS; k++) GH_TRY(gh_text_set(list[k].text, c->text[k], c->length[k]));
+  if (c->apart) {
+    GH_TRY(gh_macro_load(r->macro, c->whole_macro, c->whole_size));
+    GH_TRY(gh_farm_load(r->farm, &c->whole_farm));
+    GH_TRY(gh_macro_part(r->macro));
+  }
   GH_TRY(gh_macro_load(r->macro, c->macro, c->macro_size));
   GH_TRY(gh_farm_load(r->farm, &c->farm));
   return scene_results_resume(r, c->where[3]);

@@ -155,6 +155,20 @@ static void explain_solver(const gh_scene *s, gh_text *out) {
   explain_systems(s, out);
 }
 
+static void explain_error(const gh_scene *s, gh_text *out) {
+  gh_text_print(out,
+                "error             residuals and energy defect of each increment, at no cost worth naming\n");
+  if (!s->estimate) return;
+  gh_text_print(
+      out,
+      "                  estimate by step doubling: each increment once more in two halves from the same "
+      "state, from\n"
+      "                  which the run goes on: about three times the time, twice the memory for states; "
+      "%s\n",
+      s->micro.law.friction ? "differences of first order add up (friction)"
+                            : "differences are round-off or branches (frictionless)");
+}
+
 static void explain_share(const char *what, int count, int points, gh_text *out) {
   if (count == 0) return;
   if (count < 0 || count >= points) gh_text_print(out, "; %s of all points", what);
@@ -201,6 +215,7 @@ void gh_scene_explain(const gh_scene *s, gh_text *out) {
   explain_micro(s, out);
   explain_sharing(s, out);
   explain_solver(s, out);
+  explain_error(s, out);
   explain_run(s, out);
   explain_start(s, out);
   for (int k = 0; k < s->nsteps; k++) {
@@ -212,6 +227,38 @@ void gh_scene_explain(const gh_scene *s, gh_text *out) {
   }
 }
 
+static void print_estimate(const gh_run_estimate *q, gh_text *out) {
+  if (q->increments == 0) {
+    gh_text_print(out, "no estimate of the error of the path: --estimate-error makes one, for about three "
+                       "times the time\n");
+    return;
+  }
+  gh_text_print(
+      out,
+      "estimated error of the path%s: stress %.2g (largest of a point %.2g), displacement %.2g, force "
+      "%.2g, relative; %.1f s for it\n",
+      q->branched > 0 ? ", its branches apart" : "", gh_estimated_error(q, GH_ERROR_STRESS),
+      gh_estimated_error(q, GH_ERROR_STRESS_LARGEST), gh_estimated_error(q, GH_ERROR_DISPLACEMENT),
+      gh_estimated_error(q, GH_ERROR_FORCE), q->seconds);
+  if (q->branched > 0)
+    gh_text_print(
+        out,
+        "the path branches in %d of %d increments (stress differs by up to %.2g): there and behind it "
+        "is one of several, which no estimate compares\n",
+        q->branched, q->increments, q->branch);
+}
+
+static void print_error(const gh_run_summary *m, gh_text *out) {
+  const gh_energy *e = &m->energy;
+  gh_text_print(out,
+                "residuals at most %.1e (macro) and %.1e (packings); energy defect %.1e, work defect %.1e of "
+                "the largest work",
+                e->residual, e->micro_residual, gh_energy_defect(e), gh_work_defect(e));
+  if (e->freed != 0) gh_text_print(out, "; %.2g of it were set free in jumps", e->freed / e->largest);
+  gh_text_print(out, "\n");
+  print_estimate(&m->estimate, out);
+}
+
 void gh_summary_print(const gh_run_summary *m, const char *folder, gh_text *out) {
   double rest = m->cost.total - m->cost.relax - m->cost.contacts - m->cost.factorise;
   gh_text_print(out,
@@ -220,6 +267,7 @@ void gh_summary_print(const gh_run_summary *m, const char *folder, gh_text *out)
   if (isfinite(m->min_acoustic))
     gh_text_print(out, "%d of %d integration points unjammed; smallest acoustic eigenvalue %.4g%s\n",
                   m->unjammed, m->points, m->min_acoustic, m->min_acoustic > 0 ? "" : " (ellipticity lost)");
+  print_error(m, out);
   gh_text_print(out,
                 "%.1f s, of these %.1f s micro (relaxation %.1f, contacts %.1f, factorisation %.1f, rest "
                 "%.1f), %.1f s results\n",

@@ -91,7 +91,25 @@ void scene_history_header(scene_results *r) {
   }
   history_footings(r, NULL);
   gh_text_print(r->history, ",dilatancy,iterations,substeps,cuts,jumps,unjammed,min_acoustic,residual,"
-                            "micro_evaluations,micro_steps,micro_factorisations\n");
+                            "micro_evaluations,micro_steps,micro_factorisations,"
+                            "inner_work,outer_work,energy,dissipation,energy_defect");
+  if (r->scene->estimate)
+    gh_text_print(r->history,
+                  ",estimate,estimate_largest,estimate_displacement,estimate_force,estimate_growth,"
+                  "branched");
+  gh_text_print(r->history, "\n");
+}
+
+/* The end of a row: what is known of the error (docs/method.md). */
+static void history_errors(scene_results *r, const scene_frame *f) {
+  const gh_energy *e = f->energy;
+  const gh_run_estimate *q = f->estimate;
+  gh_text_print(r->history, ",%.17g,%.17g,%.17g,%.17g,%.17g", e->inner_work, e->outer_work, e->energy,
+                e->dissipation, gh_energy_defect(e));
+  for (int k = 0; k < GH_ERRORS && r->scene->estimate; k++)
+    gh_text_print(r->history, ",%.17g", gh_estimated_now(q, k));
+  if (r->scene->estimate) gh_text_print(r->history, ",%.17g,%d", q->growth, q->last_branched);
+  gh_text_print(r->history, "\n");
 }
 
 void scene_history_row(scene_results *r, const scene_frame *f) {
@@ -112,10 +130,11 @@ void scene_history_row(scene_results *r, const scene_frame *f) {
   gh_macro_volumes(r->macro, &V, &v);
   gh_farm_counts now, *before = &r->counted;
   gh_farm_count(r->farm, &now);
-  gh_text_print(t, ",%.17g,%d,%d,%d,%d,%d,%.17g,%.17g,%ld,%ld,%ld\n", 100 * (v / V - 1), m->iterations,
+  gh_text_print(t, ",%.17g,%d,%d,%d,%d,%d,%.17g,%.17g,%ld,%ld,%ld", 100 * (v / V - 1), m->iterations,
                 m->substeps, m->cuts, m->jumps, r->unjammed, r->min_acoustic, m->relative,
                 now.evaluations - before->evaluations, now.steps - before->steps,
                 now.factorisations - before->factorisations);
+  history_errors(r, f);
   gh_text_print(r->timing, "%d,%.17g,%.17g,%ld,%ld,%ld,%d\n", f->counter, m->seconds, m->micro_seconds,
                 now.evaluations - before->evaluations, now.computed - before->computed,
                 now.moved - before->moved, now.ranks);

@@ -86,6 +86,7 @@ struct gh_scene {
   int at_once; /* planned increments that one may take; 1: as planned */
   int ranks;   /* to be told by gh_scene_explain; 0: a build without MPI */
   bool no_balance;
+  bool estimate; /* of the error, by step doubling */
   scene_start start;
   int start_line;
   double confinement;
@@ -134,6 +135,8 @@ typedef struct scene_frame {
   const char *name;
   double time; /* in load steps */
   const gh_macro_report *report;
+  const gh_energy *energy;
+  const gh_run_estimate *estimate;
 } scene_frame;
 /* Checks that folder is none that cannot be written to; touches nothing. */
 gh_status scene_results_check(gh_context *ctx, const char *folder);
@@ -159,6 +162,12 @@ gh_status scene_nodal_average(gh_context *ctx, const gh_mesh *mesh, int cols, co
  * elements. */
 gh_status scene_nodal_mises(gh_context *ctx, const gh_mesh *mesh, const double *cauchy, double *nodes);
 void scene_cell_average(int nelements, int cols, const double *points, double *cells);
+
+/* estimate.c: solves the increment for both paths, in halves and as a whole, and counts how they differ. */
+gh_status scene_solve_twice(const gh_scene *scene, gh_macro *macro, const gh_loads *loads,
+                            gh_macro_report *report, gh_macro_report *whole, gh_run_estimate *estimate);
+/* The set that a step drives last, and its direction; false: none is driven. */
+bool scene_driven(const gh_scene *scene, int *set, int *direction);
 
 /* record.c: run.json */
 char *scene_run_json(const gh_scene *scene, const gh_farm *farm, const char *started, const char *status,

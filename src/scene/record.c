@@ -69,6 +69,7 @@ static void add_options(cJSON *root, const gh_scene *s, const gh_farm *farm) {
   truth(solver, "line_search", s->solver.line_search);
   text(solver, "tangent", gh_tangent_name(s->solver.tangent));
   number(solver, "at_once", s->at_once);
+  truth(solver, "estimate_error", s->estimate);
   truth(solver, "pass_jumps", s->solver.pass_jumps);
   text(start, "kind", starts[s->start]);
   number(start, "confinement", s->start == SCENE_START_CONFINEMENT ? s->confinement : NAN);
@@ -91,14 +92,35 @@ static void add_packings(cJSON *root, const gh_scene *s) {
 
 /* What the pictures need to know: which set is driven, and in which direction. */
 static void add_driven(cJSON *root, const gh_scene *s) {
-  for (int k = s->nsteps - 1; k >= 0; k--) {
-    if (s->steps[k].ndisplaces == 0) continue;
-    const scene_displace *d = s->steps[k].displaces;
-    cJSON *o = group(root, "driven");
-    text(o, "set", s->mesh->sets[d->set].name);
-    text(o, "direction", isnan(d->to[1]) ? "x" : "y");
-    return;
-  }
+  int set, direction;
+  if (!scene_driven(s, &set, &direction)) return;
+  cJSON *o = group(root, "driven");
+  text(o, "set", s->mesh->sets[set].name);
+  text(o, "direction", direction ? "y" : "x");
+}
+
+/* What the run knows of its error; energies in units of the scene, defects and errors relative. */
+static void add_error(cJSON *root, const gh_run_summary *m, bool estimated) {
+  static const char *const names[GH_ERRORS] = {"stress_l2", "stress_largest", "displacement", "force"};
+  const gh_energy *e = &m->energy;
+  cJSON *o = group(root, "error");
+  number(o, "residual", e->residual);
+  number(o, "micro_residual", e->micro_residual);
+  number(o, "energy_defect", gh_energy_defect(e));
+  number(o, "work_defect", gh_work_defect(e));
+  number(o, "inner_work", e->inner_work);
+  number(o, "outer_work", e->outer_work);
+  number(o, "energy", e->energy);
+  number(o, "dissipation", e->dissipation);
+  number(o, "freed_in_jumps", e->freed);
+  if (!estimated) return;
+  const gh_run_estimate *q = &m->estimate;
+  o = group(o, "estimate");
+  for (int k = 0; k < GH_ERRORS; k++) number(o, names[k], gh_estimated_error(q, k));
+  number(o, "increments", q->increments);
+  number(o, "branched_increments", q->branched);
+  number(o, "largest_branch", q->branch);
+  number(o, "extra_seconds", q->seconds);
 }
 
 static void add_summary(cJSON *root, const gh_run_summary *m) {
@@ -151,6 +173,7 @@ char *scene_run_json(const gh_scene *scene, const gh_farm *farm, const char *sta
   text(units, "length", scene->length_unit);
   text(units, "force", scene->force_unit);
   if (summary) add_summary(root, summary);
+  if (summary) add_error(root, summary, scene->estimate);
   text(root, "scene_file", scene->path);
   text(root, "packing_file", scene->packing_paths[0]);
   add_packings(root, scene);

@@ -22,8 +22,8 @@ static void print_end(report *r) {
 gh_status gh_report_write(gh_context *ctx, const char *folder, const int *points, int npoints,
                           const char *html) {
   static gh_status (*const sections[])(report *) = {report_verdict,  report_curves,      report_fields,
-                                                    report_packings, report_convergence, report_time,
-                                                    report_options};
+                                                    report_packings, report_convergence, report_error,
+                                                    report_time,     report_options};
   report r;
   if (!gh_h5_available())
     return gh_fail(

@@ -101,6 +101,9 @@ gh_status report_fields(report *r);      /* report_mesh.c */
 gh_status report_packings(report *r);    /* report_rve.c */
 gh_status report_convergence(report *r); /* report_tables.c */
 gh_status report_time(report *r);        /* report_tables.c */
+gh_status report_error(report *r);       /* report_error.c */
+/* Seconds of each increment (r->n), from timing.csv; NAN where it has none. */
+gh_status report_seconds(report *r, double *seconds);
 
 /* ---- report_style.c ---- */
 

@@ -19,7 +19,7 @@ static const char *const style[] = {
     "h2{font-size:1.25rem;margin:2.4rem 0 .6rem;padding-top:.4rem;border-top:1px solid var(--line);",
     "scroll-margin-top:3rem}",
     "h3{font-size:1rem;margin:1.4rem 0 .4rem}",
-    "p{margin:.4rem 0;max-width:75ch}.soft,.note{color:var(--soft)}",
+    "p{margin:.4rem 0;max-width:75ch;overflow-wrap:anywhere}.soft,.note{color:var(--soft)}",
     "nav{position:sticky;top:0;background:var(--bg);border-bottom:1px solid var(--line);z-index:2}",
     "nav div{display:flex;gap:1.1rem;overflow-x:auto;padding-top:.45rem;padding-bottom:.45rem}",
     "nav a{color:var(--c1);text-decoration:none;white-space:nowrap;font-size:.92rem}",

@@ -125,7 +125,8 @@ static void draw_micro(report *r) {
 static gh_status draw_increments(report *r) {
   double *x;
   GH_TRY(gh_alloc(r->ctx, 2 * (size_t)r->n, sizeof *x, &x));
-  for (int k = 0; k < r->n; k++) x[k] = k, x[r->n + k] = report_history(r, k, "seconds");
+  gh_status status = report_seconds(r, x + r->n);
+  for (int k = 0; k < r->n; k++) x[k] = k;
   report_chart chart = {.title = "Time of each increment",
                         .x_label = "increment",
                         .y_label = "seconds",
@@ -133,9 +134,9 @@ static gh_status draw_increments(report *r) {
                         .line = NAN,
                         .nseries = 1,
                         .series = {{.n = r->n, .x = x, .y = x + r->n}}};
-  report_draw_chart(r->out, &chart);
+  if (status == GH_OK) report_draw_chart(r->out, &chart);
   free(x);
-  return GH_OK;
+  return status;
 }
 
 gh_status report_time(report *r) {
@@ -157,6 +158,5 @@ gh_status report_time(report *r) {
         "<p>%.0f evaluations of packings, %.0f relaxation steps, %.0f factorisations. These counts do "
         "not depend on the machine's load.</p>\n",
         summary(r, "evaluations"), summary(r, "relaxation_steps"), summary(r, "factorisations"));
-  gh_text_print(r->out, "<p>Error against run time: the run has made no estimate of its error.</p>\n");
   return GH_OK;
 }

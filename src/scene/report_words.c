@@ -198,7 +198,8 @@ gh_status report_verdict(report *r) {
   gh_text_print(
       r->out, "<nav><div><a href=\"#verdict\">Verdict</a><a href=\"#curves\">Curves</a><a href=\"#body\">The "
               "body</a><a href=\"#packings\">Packings</a><a href=\"#convergence\">Convergence</a><a "
-              "href=\"#time\">Time</a><a href=\"#computed\">What was computed</a></div></nav>\n<main>\n");
+              "href=\"#error\">Error</a><a href=\"#time\">Time</a><a href=\"#computed\">What was "
+              "computed</a></div></nav>\n<main>\n");
   gh_text_print(r->out, "<h2 id=\"verdict\">Verdict</h2>\n");
   tell_outcome(r);
   tell_jumps(r);

@@ -84,6 +84,8 @@ static gh_status write_frame(run *r, const gh_macro_report *report) {
                        .step = r->step,
                        .increment = r->increment,
                        .report = report,
+                       .energy = &r->sum.energy,
+                       .estimate = &r->sum.estimate,
                        .name = gh_scene_step_name(r->scene, r->step),
                        .time = r->step == 0 ? 0 : r->step - 1 + (double)r->increment / increments};
   gh_status status = scene_results_write(r->results, &frame);
@@ -177,17 +179,33 @@ static int next_end(run *r, int before) {
   return before + taken;
 }
 
+/* The energy counts from the end of the start. */
+static void note_energy(run *r) {
+  if (r->step == 0) gh_macro_zero_energy(r->macro);
+  gh_macro_energy(r->macro, &r->sum.energy);
+}
+
+/* What is easy is told by the increment in one: `whole`. */
+static gh_status find_equilibrium(run *r, gh_macro_report *report, gh_macro_report *whole) {
+  if (r->scene->estimate)
+    return scene_solve_twice(r->scene, r->macro, r->loads, report, whole, &r->sum.estimate);
+  gh_status status = gh_macro_solve(r->macro, r->loads, report);
+  *whole = *report;
+  return status;
+}
+
 static gh_status solve(run *r) {
-  gh_macro_report report = {0};
-  gh_status status = gh_macro_solve(r->macro, r->loads, &report);
+  gh_macro_report report = {0}, whole = {0};
+  gh_status status = find_equilibrium(r, &report, &whole);
   add_up(r, &report);
   if (status != GH_OK)
     return gh_prefix(r->ctx, status, "%s: step '%s', increment %d of %d: ", r->scene->path,
                      gh_scene_step_name(r->scene, r->step), r->increment,
                      gh_scene_increments(r->scene, r->step));
+  note_energy(r);
   GH_TRY(write_frame(r, &report));
   tell_increment(r, &report);
-  adapt(r, &report);
+  adapt(r, &whole);
   r->sum.increments += r->step > 0;
   r->sum.steps += r->step > 0 && r->increment == gh_scene_increments(r->scene, r->step);
   GH_TRY(keep(r));

@@ -69,7 +69,9 @@ for list in (points, work):
     assert all(0 < x <= y for x, y in zip(*list)), list  # what was begun twice counts twice
 for s in sums:
     s["summary"].pop("seconds"), s["summary"].pop("farm")
+    s["error"].get("estimate", {}).pop("extra_seconds", 0)
 assert sums[0]["summary"] == sums[1]["summary"] and sums[1]["status"] == "done", [s["summary"] for s in sums]
+assert sums[0]["error"] == sums[1]["error"], [s["error"] for s in sums]
 E
 same() { /usr/bin/python3 same.py "$1" "$2" 2>err; say $? "$3"; }
 
@@ -108,6 +110,17 @@ same whole int 'all files are those of the undisturbed run'
 "$granhom" run footing.yaml -o footed --quiet 2>err; say $? 'the undisturbed run with a footing'
 scene=footing.yaml go foot TERM; say $? "stopped by SIGTERM and restarted $stops times"
 same footed foot 'all files are those of the undisturbed run'
+
+# two paths are compared: both have to survive
+"$granhom" run all.yaml -o estimated --estimate-error --quiet 2>err; say $? 'the undisturbed run with an estimate of its error'
+unset scene
+go twice TERM --estimate-error; say $? "stopped by SIGTERM and restarted $stops times"
+[ $stops -gt 3 ]; say $? 'which were more than three'
+same estimated twice 'all files are those of the undisturbed run'
+go each INT --estimate-error --no-share --checkpoint-every 3; say $? "stopped by SIGINT and restarted $stops times, with a checkpoint each 3 increments, no sharing"
+same estimated each 'all files are those of the undisturbed run'
+"$granhom" run all.yaml -o estimated --restart --quiet 2>err
+[ $? = 2 ] && grep -q 'was made with another choice of --estimate-error' err; say $? 'going on without the estimate is refused'
 
 # --- the file itself ---
 "$granhom" run all.yaml -o term --quiet --restart 2>err; say $? 'restarting a complete run does nothing'

@@ -446,6 +446,31 @@ static void test_driven(void **state) {
   drop(&p);
 }
 
+/* The load of a footing does the work that the solid takes up; turning costs the trapezoidal rule a third
+ * order of the turn in each increment, so that halving the increments leaves a quarter. */
+static void test_work(void **state) {
+  gh_context *ctx = *state;
+  double defect[3];
+  for (int k = 0; k < 3; k++) {
+    const int n = 4 << k;
+    problem p;
+    gh_energy e;
+    make(&p, ctx, &plain, false);
+    for (int j = 1; j <= n; j++) {
+      begin(&p);
+      put(&p, 0.5, 0.4 * j / n, -3.0 * j / n);
+      OK(gh_loads_pressure(p.loads, p.top, 0.3 * j / n, true)); /* on the nodes of the footing as well */
+      solve(&p);
+    }
+    gh_macro_energy(p.macro, &e);
+    defect[k] = fabs(gh_work_defect(&e));
+    if (getenv("ESTIMATE_TELL")) printf("footing, %d increments: work defect %.3e\n", n, defect[k]);
+    drop(&p);
+  }
+  assert_true(defect[2] < 1e-3);
+  for (int k = 1; k < 3; k++) NEAR("order", log2(defect[k - 1] / defect[k]), 2, 0.2);
+}
+
 /* A footing on ground that has moved takes the ground as it is, at rest; when it is taken away again, the
  * body goes back to where it was without it. */
 static void test_later(void **state) {
@@ -634,10 +659,10 @@ static void test_scene_errors(void **state) {
 }
 
 int main(void) {
-  const struct CMUnitTest tests[] = {TEST(test_kinematics), TEST(test_central),     TEST(test_eccentric),
-                                     TEST(test_tangent),    TEST(test_quadratic),   TEST(test_cuts),
-                                     TEST(test_jump),       TEST(test_driven),      TEST(test_later),
-                                     TEST(test_two_forces), TEST(test_supports),    TEST(test_bad_input),
-                                     TEST(test_scene),      TEST(test_scene_errors)};
+  const struct CMUnitTest tests[] = {TEST(test_kinematics), TEST(test_central),    TEST(test_eccentric),
+                                     TEST(test_tangent),    TEST(test_quadratic),  TEST(test_cuts),
+                                     TEST(test_jump),       TEST(test_driven),     TEST(test_work),
+                                     TEST(test_later),      TEST(test_two_forces), TEST(test_supports),
+                                     TEST(test_bad_input),  TEST(test_scene),      TEST(test_scene_errors)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

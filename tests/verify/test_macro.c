@@ -530,11 +530,68 @@ static void test_jump(void **state) {
         double x = bisect(confined, q + bistable.jump, 0.2, 1.5);
         for (int g = 0; g < 4; g++) assert_near(gh_macro_F(p.macro)[4 * g + 3], x, 1e-11);
         if (!soft) assert_true(p.report.jumps >= 1);
+        gh_energy e;
+        gh_macro_energy(p.macro, &e);
+        assert_true(p.report.jumps > 0 ? e.freed > 0 : e.freed == 0);
+        assert_near(e.outer_work - e.inner_work, e.freed, 1e-12);
         assert_true(p.report.relative <= o.tolerance);
       }
       drop(&p);
     }
   }
+}
+
+static double stored(const double F[4]) {
+  double J = gh_det2(F), FF = 0;
+  for (int k = 0; k < 4; k++) FF += F[k] * F[k];
+  return 0.5 * mu * (FF - 2 - 2 * log(J)) + 0.5 * lambda * log(J) * log(J);
+}
+
+/* The trapezoidal work of the stress is the energy of the solid up to the second order in the increments;
+ * loads that press and follow, driven edges and reactions that fade do the same work from outside. */
+static void test_work(void **state) {
+  const material even = {.prestress = {0.1, 0, 0, 0.1}};
+  double error[3];
+  for (int k = 0; k < 3; k++) {
+    const int n = 2 << k;
+    gh_macro_options o = tight();
+    problem p = make_block(*state, 2, 1, 2, 2, &plain, &o);
+    double energy = 0;
+    gh_energy e;
+    for (int j = 1; j <= n; j++) {
+      gh_loads_clear(p.loads);
+      for (int i = 0; i < 2; i++) fix(&p, "bottom", i, 0);
+      fix(&p, "top", 1, -0.1 * j / n);
+      press(&p, "right", 0.5 * j / n, true);
+      solve(&p);
+    }
+    for (int q = 0; q < 16; q++) energy += stored(gh_macro_F(p.macro) + 4 * q) / 8;
+    gh_macro_energy(p.macro, &e);
+    error[k] = fabs(e.inner_work - energy);
+    assert_near(gh_work_defect(&e), 0, 1e-11);
+    assert_true(e.freed == 0 && e.residual <= o.tolerance && isnan(e.energy)); /* these are no packings */
+    gh_macro_zero_energy(p.macro);
+    solve(&p);
+    gh_macro_energy(p.macro, &e);
+    assert_near(e.inner_work, 0, 1e-12 * energy);
+    gh_loads_clear(p.loads); /* the top is released: its reaction fades, and so does the pressure */
+    for (int i = 0; i < 2; i++) fix(&p, "bottom", i, 0);
+    solve(&p);
+    gh_macro_energy(p.macro, &e);
+    assert_true(e.inner_work < -0.5 * energy);
+    assert_near(gh_work_defect(&e), 0, 1e-11);
+    drop(&p);
+  }
+  for (int k = 1; k < 3; k++) assert_near(log2(error[k - 1] / error[k]), 2, 0.1);
+  gh_macro_options o = tight();
+  problem p = make_block(*state, 1, 1, 1, 1, &even, &o); /* held by fixed forces: no work at all */
+  gh_energy e;
+  for (int i = 0; i < 2; i++) fix(&p, "bottom", i, 0);
+  assert_int_equal(gh_macro_balance(p.macro), GH_OK);
+  solve(&p);
+  gh_macro_energy(p.macro, &e);
+  assert_true(e.inner_work == 0 && e.outer_work == 0 && gh_work_defect(&e) == 0);
+  drop(&p);
 }
 
 /* What the supports leave free is named before anything is computed. */
@@ -715,6 +772,7 @@ int main(void) {
       cmocka_unit_test(test_cuts),
       cmocka_unit_test(test_partial),
       cmocka_unit_test(test_jump),
+      cmocka_unit_test(test_work),
       cmocka_unit_test(test_no_supports),
       cmocka_unit_test(test_two_bodies),
       cmocka_unit_test(test_input),
