@@ -19,6 +19,12 @@ typedef struct study_knob {
   int line;
 } study_knob;
 
+/* A key with a value that a study sets: in `base`, or in a reference. */
+typedef struct study_entry {
+  char *key, *value;
+  int line;
+} study_entry;
+
 /* How an answer goes along the path: rows of quantities over the path's parameter t (load steps, or rows of
  * the coarsest path, from 0). */
 typedef struct study_curve {
@@ -49,6 +55,7 @@ typedef struct study_setting {
   int reference; /* setting that this one is compared with; -1: a closed form or a file is */
   int nruns;
   study_run *runs;
+  char **files; /* nruns: packings of the members; NULL where the study names none, but its scene does */
 } study_setting;
 
 /* A group of columns that is compared as a whole. */
@@ -82,6 +89,14 @@ struct gh_study {
                     default 0 */
   int nplots, *plots;            /* columns drawn with error bars over t in curves.png; may be none */
   struct study_verdict *verdict; /* judge.c; NULL before */
+  /* what only reading and running look at: */
+  char *folder;        /* of the study's file */
+  char *scene_path;    /* NULL: one packing along a path */
+  int problem_line;    /* of `scene` or `rve` */
+  int nbase, ntighter; /* entries of `base`; of `reference: {set: ...}` */
+  study_entry *base, *tighter;
+  char *reference_file; /* NULL: none */
+  int reference_line;
 };
 
 /* ---- judge.c and below it: what the runs say (no file is read here, nothing is run) ---- */
