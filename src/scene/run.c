@@ -197,13 +197,12 @@ static gh_status solve(run *r) {
                      gh_scene_increments(r->scene, r->step));
   GH_TRY(write_frame(r, &report));
   tell_increment(r, &report);
-  GH_TRY(show(r));
   adapt(r, &report);
   r->sum.increments += r->step > 0;
   r->sum.steps += r->step > 0 && r->increment == gh_scene_increments(r->scene, r->step);
   GH_TRY(keep(r));
   r->counter++;
-  return GH_OK;
+  return show(r);
 }
 
 /* ---- the start ---- */

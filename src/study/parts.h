@@ -26,7 +26,7 @@ const char *study_value(const gh_study *s, const study_setting *setting, const c
 gh_status study_overrides(const gh_study *s, const study_setting *setting, gh_override **list, int **line,
                           int *count);
 /* "micro.tolerance 1e-6, packing a.data": what a run is called; member -1: the setting alone. */
-void study_name(const gh_study *s, int setting, int member, char *text, size_t size);
+void study_run_name(const gh_study *s, int setting, int member, char *text, size_t size);
 void study_settings_destroy(gh_study *s);
 
 /* ---- path.c: a path of deformation gradients ---- */

@@ -300,7 +300,7 @@ static gh_status take_columns(gh_study *s, int setting, const study_problem *p) 
   if (s->ncolumns > 0) {
     study_watched now = p->scene ? study_watch(p->scene) : (study_watched){0};
     if (!p->scene || now.driven == (strcmp(s->quantities[1].name, "force") == 0)) return GH_OK;
-    study_name(s, setting, -1, name, sizeof name);
+    study_run_name(s, setting, -1, name, sizeof name);
     return gh_fail(s->ctx, GH_INPUT,
                    "%s:%d: %s: here %s is driven, unlike in the settings before: they cannot be compared",
                    s->path, s->problem_line, name, now.driven ? "an edge" : "nothing");

@@ -56,7 +56,7 @@ static void hear(void *data, const char *note) {
 static void tell(job *j, place p) {
   char note[STUDY_NOTE], name[256];
   const study_run *run = run_at(j->s, p);
-  study_name(j->s, p.setting, p.member, name, sizeof name);
+  study_run_name(j->s, p.setting, p.member, name, sizeof name);
   if (run->status == GH_OK) snprintf(note, sizeof note - 1, "%s: done, %.3g s", name, run->wall);
   else snprintf(note, sizeof note - 1, "%s: failed after %.3g s: %s", name, run->wall, run->message);
   if (study_team_rank(j->team) == 0) hear(j, note);
@@ -150,7 +150,7 @@ static gh_status do_run(job *j, place at) {
   char name[256];
   study_run *run = run_at(j->s, at);
   clear(run);
-  study_name(j->s, at.setting, at.member, name, sizeof name);
+  study_run_name(j->s, at.setting, at.member, name, sizeof name);
   gh_status status = compute(j, at, run);
   if (status == GH_OK && !run->finished) return gh_fail(j->s->ctx, GH_STOPPED, "stopped on request");
   if (status == GH_OK) status = keep(j, at);
@@ -306,7 +306,7 @@ static gh_status look_for_results(gh_study *s) {
   for (int k = 0; k < s->nsettings; k++)
     for (int m = 0; m < s->settings[k].nruns && !s->settings[k].extra; m++)
       if (s->settings[k].runs[m].status == GH_OK) return GH_OK;
-  study_name(s, 0, 0, name, sizeof name);
+  study_run_name(s, 0, 0, name, sizeof name);
   return gh_fail(s->ctx, GH_DIVERGED, "no setting has a result; the first one, %s: %s", name,
                  s->settings[0].runs[0].message);
 }

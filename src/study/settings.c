@@ -88,7 +88,7 @@ static const char *last_part(const char *path) {
   return slash ? slash + 1 : path;
 }
 
-void study_name(const gh_study *s, int setting, int member, char *text, size_t size) {
+void study_run_name(const gh_study *s, int setting, int member, char *text, size_t size) {
   const study_setting *one = s->settings + setting;
   *text = 0;
   for (int k = 0; k < s->nknobs; k++) add(text, size, s->knobs[k].name, one->value[k]);
