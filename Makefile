@@ -4,6 +4,7 @@
 #   make check    installs what is missing, builds, runs all tests
 #   make bench    times of one RVE update and of the farm;   make asan / make valgrind   the tests under the checkers
 #   make extreme  the cases of docs/stability.md, the long ones too, and its table
+#   make study    tables and pictures of docs/error-vs-time.md (hours); make study QUICK=1 (minutes)
 #   make format   clang-format over all sources
 #   make MPI=0 HDF5=0   without ranks, without HDF5 files (docs/user-guide.md); the same words again with make check, install ...
 #   make install   PREFIX=/usr/local DESTDIR=   program, library, headers, granhom.pc, manual page;   make uninstall
@@ -119,6 +120,12 @@ extreme:
 	@scripts/install-packages.sh check
 	@$(MAKE) --no-print-directory -j$$(nproc) all $(patsubst %.c,$(BUILD)/%,$(wildcard tests/extreme/test_*.c))
 	@scripts/extreme.sh $(BUILD)
+# The tables and pictures of docs/error-vs-time.md: hours; QUICK=1: small versions in minutes, in $(BUILD)/studies/quick.
+.PHONY: study
+study:
+	@scripts/install-packages.sh check
+	@$(MAKE) --no-print-directory -j$$(nproc) all
+	@scripts/study.sh $(BUILD)
 bindir := $(PREFIX)/bin
 libdir := $(PREFIX)/lib
 incdir := $(PREFIX)/include

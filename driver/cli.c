@@ -97,6 +97,11 @@ int cli_engine(const cli_command *command, const char *text, gh_engine_kind *eng
   return cli_usage(command, "--engine is lammps or native, not \"%s\"", text);
 }
 
+int cli_relaxation(const cli_command *command, const char *text, gh_relaxation *relaxation) {
+  if (gh_relaxation_from_name(text, relaxation)) return 0;
+  return cli_usage(command, "--relaxation is polished, damped or fire, not \"%s\"", text);
+}
+
 gh_status cli_finish(gh_context *ctx, gh_status status, gh_status (*last)(void *data, bool good),
                      void *data) {
   char *message = status == GH_OK ? NULL : strdup(gh_message(ctx));

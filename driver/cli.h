@@ -36,9 +36,13 @@ int cli_share(int value);
 /* Ends all ranks. */
 void cli_abort(int code);
 
-/* Values of --boundary and --engine. 0, or 2 after a message. */
+/* Values of --boundary, --engine and --relaxation. 0, or 2 after a message. */
 int cli_boundary(const cli_command *command, const char *text, gh_boundary *boundary);
 int cli_engine(const cli_command *command, const char *text, gh_engine_kind *engine);
+int cli_relaxation(const cli_command *command, const char *text, gh_relaxation *relaxation);
+#define CLI_RELAXATION_HELP                                                                                  \
+  "  --relaxation WORD      polished (default): damped central differences, then Newton where it is safe;\n" \
+  "                         damped: damped central differences alone; fire: FIRE alone\n"
 /* What comes last whether the work before it succeeded or not: last(data, status == GH_OK). The message of
  * the first failure stays the one that is told, and its status is returned. */
 gh_status cli_finish(gh_context *ctx, gh_status status, gh_status (*last)(void *data, bool good), void *data);

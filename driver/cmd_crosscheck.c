@@ -28,7 +28,9 @@ static const char help[] =
     "                         (hardening must be 0: the other programs have none)\n"
     "  --engines LIST         of the words above, with commas; all others are compared with the first\n"
     "                         (default lammps,native,gran,liggghts)\n"
-    "  --tolerance T          largest force on a grain over the mean contact force (default 1e-8)\n"
+    "  --tolerance T          largest force on a grain over the mean contact force (default "
+    "1e-8)\n" CLI_RELAXATION_HELP
+    "                         (of lammps and native: the other programs have their own)\n"
     "  --max-steps N          relaxation steps after which an increment has failed (default 400000)\n"
     "  --increment-steps N    time steps over which gran and liggghts spread an increment (default 50)\n"
     "  --refine K             also with each increment cut into 2, 4, ... 2^(K-1) parts; 1 to 8 (default 1)\n"
@@ -99,6 +101,8 @@ static int parse_option(int c, contact_options *contact, cross_job *j) {
     return positive("--time-limit", optarg, &j->seconds);
   case 'n':
     return integer("--max-steps", optarg, 1000000000, &j->rve.max_steps);
+  case 'w':
+    return cli_relaxation(&cli_crosscheck, optarg, &j->rve.relaxation);
   case 'i':
     status = integer("--increment-steps", optarg, 1000000, &value);
     j->steps_per_row = (int)value;
@@ -125,6 +129,7 @@ static int parse(int argc, char **argv, cross_job *j) {
                                           {"max-steps", 1, 0, 'n'},
                                           {"increment-steps", 1, 0, 'i'},
                                           {"refine", 1, 0, 'r'},
+                                          {"relaxation", 1, 0, 'w'},
                                           {"liggghts", 1, 0, 'l'},
                                           {"time-limit", 1, 0, 't'},
                                           CONTACT_OPTIONS,

@@ -31,7 +31,8 @@ static const char help[] =
     "  -o, --output FILE      results (default: standard output)\n"
     "  --boundary NAME        taylor, taylor-cell, restricted or periodic (default), as in granhom rve\n"
     "  --engine NAME          lammps (default) or native\n" CONTACT_HELP
-    "  --tolerance T          largest force on a grain over the mean contact force (default 1e-10)\n"
+    "  --tolerance T          largest force on a grain over the mean contact force (default "
+    "1e-10)\n" CLI_RELAXATION_HELP
     "  --stress-tolerance T   lack of a prescribed stress over the largest stress (default 1e-6)\n"
     "  --max-steps N          relaxation steps after which an evaluation has failed (default 400000)\n"
     "  --cut-steps N          how often a failing increment is halved, 0 to 30 (default 6)\n"
@@ -112,6 +113,8 @@ static int parse_option(int c, arguments *a) {
     return a->options.pass_jumps = false, 0;
   case 'b':
     return cli_boundary(&cli_element, optarg, &a->rve.boundary);
+  case 'r':
+    return cli_relaxation(&cli_element, optarg, &a->rve.relaxation);
   case 'e':
     return cli_engine(&cli_element, optarg, &a->rve.engine);
   default:
@@ -120,20 +123,12 @@ static int parse_option(int c, arguments *a) {
 }
 
 static int parse(int argc, char **argv, arguments *a) {
-  static const struct option options[] = {{"control", 1, 0, 'c'},
-                                          {"path", 1, 0, 'p'},
-                                          {"output", 1, 0, 'o'},
-                                          {"boundary", 1, 0, 'b'},
-                                          {"engine", 1, 0, 'e'},
-                                          {"tolerance", 1, 0, 'T'},
-                                          {"max-steps", 1, 0, 'n'},
-                                          {"cut-steps", 1, 0, 'k'},
-                                          {"stress-tolerance", 1, 0, 'S'},
-                                          {"save-state", 1, 0, 's'},
-                                          {"load-state", 1, 0, 'l'},
-                                          {"stop-at-jumps", 0, 0, 'j'},
-                                          CONTACT_OPTIONS,
-                                          {0, 0, 0, 0}};
+  static const struct option options[] = {
+      {"control", 1, 0, 'c'},    {"path", 1, 0, 'p'},       {"output", 1, 0, 'o'},
+      {"boundary", 1, 0, 'b'},   {"engine", 1, 0, 'e'},     {"tolerance", 1, 0, 'T'},
+      {"max-steps", 1, 0, 'n'},  {"cut-steps", 1, 0, 'k'},  {"stress-tolerance", 1, 0, 'S'},
+      {"save-state", 1, 0, 's'}, {"load-state", 1, 0, 'l'}, {"stop-at-jumps", 0, 0, 'j'},
+      {"relaxation", 1, 0, 'r'}, CONTACT_OPTIONS,           {0, 0, 0, 0}};
   *a = (arguments){.rve = gh_rve_defaults(), .options = gh_control_defaults()};
   a->rve.tolerance = 1e-10;
   opterr = 0;

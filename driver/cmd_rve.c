@@ -29,7 +29,7 @@ static const char help[] =
     "  --engine NAME          lammps (default) or native\n" CONTACT_HELP
     "  --tolerance T          largest force on a grain, and moment over radius, over the mean normal "
     "contact\n"
-    "                         force (default 1e-8)\n"
+    "                         force (default 1e-8)\n" CLI_RELAXATION_HELP
     "  --max-steps N          relaxation steps after which an increment has no equilibrium and is cut, six\n"
     "                         times at most (default 400000, with friction 50000)\n"
     "  --tangent FILE         tangent dP/dF of each increment: step,A1111,A1112,...,A2222\n"
@@ -94,6 +94,8 @@ static int parse_option(int c, arguments *a) {
     return cli_boundary(&cli_rve, optarg, &a->rve.boundary);
   case 'e':
     return cli_engine(&cli_rve, optarg, &a->rve.engine);
+  case 'r':
+    return cli_relaxation(&cli_rve, optarg, &a->rve.relaxation);
   case 'n':
     if (!gh_parse_integer(optarg, 1, 1000000000, &steps))
       return cli_usage(&cli_rve, "--max-steps must be a positive integer, not \"%s\"", optarg);
@@ -107,10 +109,19 @@ static int parse_option(int c, arguments *a) {
 }
 
 static int parse(int argc, char **argv, arguments *a) {
-  static const struct option options[] = {
-      {"path", 1, 0, 'p'},       {"output", 1, 0, 'o'},     {"boundary", 1, 0, 'b'}, {"engine", 1, 0, 'e'},
-      {"tolerance", 1, 0, 'T'},  {"max-steps", 1, 0, 'n'},  {"tangent", 1, 0, 't'},  {"dump", 1, 0, 'd'},
-      {"save-state", 1, 0, 's'}, {"load-state", 1, 0, 'l'}, CONTACT_OPTIONS,         {0, 0, 0, 0}};
+  static const struct option options[] = {{"path", 1, 0, 'p'},
+                                          {"output", 1, 0, 'o'},
+                                          {"boundary", 1, 0, 'b'},
+                                          {"engine", 1, 0, 'e'},
+                                          {"tolerance", 1, 0, 'T'},
+                                          {"max-steps", 1, 0, 'n'},
+                                          {"tangent", 1, 0, 't'},
+                                          {"dump", 1, 0, 'd'},
+                                          {"save-state", 1, 0, 's'},
+                                          {"load-state", 1, 0, 'l'},
+                                          {"relaxation", 1, 0, 'r'},
+                                          CONTACT_OPTIONS,
+                                          {0, 0, 0, 0}};
   *a = (arguments){.rve = gh_rve_defaults()};
   opterr = 0;
   optind = 1;

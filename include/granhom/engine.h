@@ -51,12 +51,24 @@ typedef struct gh_contact_list {
   const double *moment;        /* n: total moment; NULL without friction */
 } gh_contact_list;
 
-/* Dynamic relaxation (4.39)-(4.47). The residual is the largest force on a free grain, and the largest moment
- * over the radius, over the mean normal contact force (method 3). */
+/* How a packing is brought to equilibrium. Damped: central differences with the damping of (4.47). FIRE:
+ * Bitzek et al., Phys. Rev. Lett. 97, 170201 (2006). */
+typedef enum gh_relaxation {
+  GH_RELAX_POLISHED, /* damped, and Newton's steps of the RVE where they are safe; an engine takes none */
+  GH_RELAX_DAMPED,   /* damped alone */
+  GH_RELAX_FIRE      /* FIRE alone */
+} gh_relaxation;
+/* "polished", "damped", "fire"; false when the word is none of them. */
+bool gh_relaxation_from_name(const char *name, gh_relaxation *relaxation);
+const char *gh_relaxation_name(gh_relaxation relaxation);
+
+/* Dynamic relaxation (4.39)-(4.47), or FIRE. The residual is the largest force on a free grain, and the
+ * largest moment over the radius, over the mean normal contact force (method 3). */
 typedef struct gh_relax_options {
   double tolerance; /* of the residual */
   long max_steps;
   double floor; /* mean normal force at or below which the packing counts as unjammed (absolute) */
+  gh_relaxation method;
 } gh_relax_options;
 
 typedef struct gh_relax_result {
@@ -66,9 +78,15 @@ typedef struct gh_relax_result {
   bool converged;    /* residual <= tolerance, or unjammed */
 } gh_relax_result;
 
-/* What an engine has counted since it was made; seconds of its parts. */
+/* What an engine has counted since it was made; seconds of its parts.
+ *
+ * `pairs` is the work in a unit that does not depend on the machine: pairs of grains whose contact was
+ * evaluated, summed over all steps of relaxation and all contact lists. A pair on the list of candidates
+ * counts in each of these, touching or not, and once: LAMMPS lists pairs across the cell's boundary twice.
+ * The forces that LAMMPS makes besides, when positions are set, do not count, nor do bounds of the time step.
+ */
 typedef struct gh_engine_cost {
-  long steps, evaluations, rebuilds;
+  long steps, evaluations, rebuilds, pairs;
   double relax_seconds, contact_seconds, set_seconds;
   double history_seconds; /* of set_seconds: taking the converged state in and finding it for the pairs */
 } gh_engine_cost;

@@ -68,14 +68,15 @@ int gh_farm_packing(const gh_farm *farm, int point);
 void gh_farm_costs(const gh_farm *farm, gh_rve_cost *sum);
 void gh_rve_cost_add(gh_rve_cost *sum, const gh_rve_cost *more); /* sum += more */
 
-/* Counts since the farm was made. The first three are sums over points, as if each were computed: they do not
+/* Counts since the farm was made. The first four are sums over points, as if each were computed: they do not
  * depend on ranks or sharing. */
 typedef struct gh_farm_counts {
-  long evaluations, steps, factorisations; /* of points: evaluations, relaxation steps, factorisations */
-  long computed;                           /* evaluations done, points that share counted once */
-  long moved;                              /* states that went from rank to rank */
-  int ranks, states;                       /* now: ranks; different converged states */
-  int residents;                           /* RVEs kept ready on this rank, of about `bytes` each */
+  long evaluations, steps, factorisations, pairs; /* of points: evaluations, relaxation steps,
+                                                     factorisations, pair evaluations (gh_engine_cost) */
+  long computed;                                  /* evaluations done, points that share counted once */
+  long moved;                                     /* states that went from rank to rank */
+  int ranks, states;                              /* now: ranks; different converged states */
+  int residents;                                  /* RVEs kept ready on this rank, of about `bytes` each */
   double bytes;
   double busy, longest; /* processor seconds of all evaluations, and of the busiest rank in each: busy over
                            ranks times longest is the efficiency of the distribution */

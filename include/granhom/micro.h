@@ -25,6 +25,8 @@ typedef struct gh_rve_options {
   double tolerance; /* residual: largest force on a free grain over the mean normal contact force; > 0,
                        default 1e-8 */
   long max_steps;   /* relaxation steps before GH_DIVERGED; 0: the default */
+  gh_relaxation relaxation; /* the way to equilibrium; default GH_RELAX_POLISHED. The others take no Newton
+                               step: relaxation alone has to reach the tolerance */
 } gh_rve_options;
 gh_rve_options gh_rve_defaults(void);
 /* The relaxation steps that these options allow: max_steps, or the default (friction relaxes in fewer). */
@@ -47,6 +49,7 @@ typedef struct gh_rve_measures {
   double acoustic;       /* smallest eigenvalue of N.A.N over all N; NAN without tangent */
   double acoustic_angle; /* of N to the x axis, radians */
   long steps;            /* force evaluations */
+  long pairs;            /* pair evaluations: gh_engine_cost */
   int contacts, rattlers;
   int sliding; /* contacts on the Coulomb limit */
   int factorisations;
@@ -61,6 +64,7 @@ typedef struct gh_rve_cost {
       total;      /* cell and neighbours; relaxation; contact lists; stiffness and tangent */
   double history; /* keeping the history of the contacts: part of `set` and of the rest */
   long evaluations, steps, factorisations, analyses;
+  long pairs; /* pair evaluations (gh_engine_cost): work in a unit that does not depend on the machine */
 } gh_rve_cost;
 
 /* Makes an RVE whose converged state is the packing as read (F = I, no fluctuation). The packing is copied.

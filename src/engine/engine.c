@@ -3,6 +3,7 @@
 #include "engine/ops.h"
 
 #include <stdlib.h>
+#include <string.h>
 
 struct gh_engine {
   gh_context *ctx;
@@ -33,6 +34,19 @@ gh_status gh_contact_law_check(gh_context *ctx, const gh_contact_law *law) {
   if (!(h >= 0) || !isfinite(h))
     return gh_fail(ctx, GH_INPUT, "the hardening must be finite and not negative, but is %g", h);
   return GH_OK;
+}
+
+static const char *const relaxation_names[] = {
+    [GH_RELAX_POLISHED] = "polished", [GH_RELAX_DAMPED] = "damped", [GH_RELAX_FIRE] = "fire"};
+
+bool gh_relaxation_from_name(const char *name, gh_relaxation *relaxation) {
+  for (int k = 0; k < 3; k++)
+    if (!strcmp(name, relaxation_names[k])) return *relaxation = (gh_relaxation)k, true;
+  return false;
+}
+
+const char *gh_relaxation_name(gh_relaxation relaxation) {
+  return relaxation_names[relaxation];
 }
 
 static gh_status check_setup(gh_context *ctx, const gh_engine_setup *s) {

@@ -83,7 +83,7 @@ double gh_relax_time_step(double bound) {
 
 /* The quadratic form of a contact in the displacements of its two grains is at most twice the sum of those of
  * the grains' own blocks. Pairs that nearly touch count too: they may touch before the next bound. */
-static double time_step(const gh_relax_state *s) {
+double gh_relax_safe_step(const gh_relax_state *s) {
   double *k = s->work + 2 * (size_t)s->npairs + 2 * (size_t)s->n, bound = 4 * s->stiffness;
   memset(k, 0, 3 * (size_t)s->n * sizeof *k);
   for (int p = 0; p < s->npairs; p++) {
@@ -160,7 +160,7 @@ gh_relax_end gh_relax_run(gh_relax_state *s, double tolerance, double floor, lon
     if (*mean_force <= floor) return *residual = 0, GH_RELAX_UNJAMMED;
     if (*residual <= tolerance) return GH_RELAX_CONVERGED;
     if (k + 1 >= max_steps) return GH_RELAX_STEPS;
-    if (stale || k % BOUND_EVERY == 0) dt = time_step(s);
+    if (stale || k % BOUND_EVERY == 0) dt = gh_relax_safe_step(s);
     s->damping = fmax(s->damping, LEAST_DAMPING / dt);
     memcpy(old, s->f, 2 * (size_t)s->n * sizeof *old);
     far = advance(s, s->damping, dt) > s->slack * s->slack;

@@ -17,6 +17,13 @@ typedef struct gh_pair {
   double reach; /* r_i + r_j */
 } gh_pair;
 
+/* What FIRE carries from list to list; it is set when a relaxation begins. */
+typedef struct gh_fire {
+  double step;  /* time step, over gh_relax_safe_step */
+  double mix;   /* share of the velocities that is turned towards the forces */
+  int downhill; /* steps since the power was last negative */
+} gh_fire;
+
 /* A packing under relaxation. All arrays belong to the caller. */
 typedef struct gh_relax_state {
   int n;                     /* grains */
@@ -30,6 +37,7 @@ typedef struct gh_relax_state {
   int started; /* 0: v is not yet set (4.41); a new relaxation begins with 0, a new pair list goes on with 1
                 */
   double damping; /* of the last step; 0 at the start; carried from list to list like `started` */
+  gh_fire fire;   /* gh_relax_fire alone */
   double *work;   /* gh_relax_work(n, npairs) doubles, any content */
 } gh_relax_state;
 
@@ -52,6 +60,9 @@ gh_relax_end gh_relax_run(gh_relax_state *s, double tolerance, double floor, lon
 /* Forces at x. Returns the largest force on a free grain; *mean_force is the mean normal contact force (0: no
  * contact). */
 double gh_relax_forces(gh_relax_state *s, double *mean_force);
+
+/* The time step of gh_relax_run at x: below the stability limit of all contacts that touch or nearly do. */
+double gh_relax_safe_step(const gh_relax_state *s);
 
 /* The parts, for those who must step by themselves (LAMMPS on several ranks). Bound of the largest eigenvalue
  * for unit masses: twice the largest eigenvalue of a grain's own stiffness block, given as xx xy yy. */

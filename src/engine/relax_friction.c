@@ -157,10 +157,19 @@ static double forces(gh_relax_friction *s, const parts *w, double *mean_force) {
   return isfinite(all) ? sqrt(largest) : NAN; /* a comparison with NaN would pass over it */
 }
 
-double gh_relax_friction_forces(gh_relax_friction *s, double *mean_force) {
+void gh_relax_friction_begin(gh_relax_friction *s) {
   const parts w = divide(s);
   lay_out(s, &w);
+}
+
+double gh_relax_friction_again(gh_relax_friction *s, double *mean_force) {
+  const parts w = divide(s);
   return forces(s, &w, mean_force);
+}
+
+double gh_relax_friction_forces(gh_relax_friction *s, double *mean_force) {
+  gh_relax_friction_begin(s);
+  return gh_relax_friction_again(s, mean_force);
 }
 
 /* Stiffness of a contact along and across its branch vector that bounds the quadratic form of its derivative,
@@ -226,6 +235,10 @@ static double time_step(const gh_relax_friction *s, double *block) {
   double largest = 2 * fmax(along, (1 + 2 * turns) * across); /* two contacts on one line */
   for (int i = 0; i < g->n; i++) largest = fmax(largest, largest_eigenvalue(block + PER_BLOCK * i));
   return gh_relax_time_step(2 * largest);
+}
+
+double gh_relax_friction_safe_step(const gh_relax_friction *s) {
+  return time_step(s, divide(s).block);
 }
 
 /* One step of what may move, with the damping `c`; returns the square of the largest distance from x0. No

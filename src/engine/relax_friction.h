@@ -49,6 +49,13 @@ gh_relax_end gh_relax_friction_run(gh_relax_friction *s, double tolerance, doubl
  * that may turn; *mean_force is the mean normal contact force (0: no contact). */
 double gh_relax_friction_forces(gh_relax_friction *s, double *mean_force);
 
+/* The same in two parts, for those who evaluate many times on one list (relax_fire.c): once for each list,
+ * and for each x, theta. */
+void gh_relax_friction_begin(gh_relax_friction *s);
+double gh_relax_friction_again(gh_relax_friction *s, double *mean_force);
+/* The time step of gh_relax_friction_run, after gh_relax_friction_begin. */
+double gh_relax_friction_safe_step(const gh_relax_friction *s);
+
 /* For those who must step by themselves (LAMMPS on several ranks): stiffness of a contact along and across
  * its branch vector that bounds the quadratic form of its derivative. */
 void gh_relax_friction_bound(const gh_contact_law *law, double *along, double *across);

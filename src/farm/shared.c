@@ -262,6 +262,7 @@ static void spread(farm_shared *s, int end, double *P, double *A) {
     b->counts.evaluations++;
     b->counts.steps += a->m.steps;
     b->counts.factorisations += a->m.factorisations;
+    b->counts.pairs += a->m.pairs;
   }
 }
 

@@ -55,7 +55,7 @@ void gh_rve_cost_add(gh_rve_cost *sum, const gh_rve_cost *c) {
   sum->set += c->set, sum->relax += c->relax, sum->contacts += c->contacts, sum->factorise += c->factorise,
       sum->history += c->history, sum->total += c->total;
   sum->evaluations += c->evaluations, sum->steps += c->steps, sum->factorisations += c->factorisations,
-      sum->analyses += c->analyses;
+      sum->analyses += c->analyses, sum->pairs += c->pairs;
 }
 
 static void add_cost(gh_rve_cost *sum, const gh_rve *rve) {

@@ -1,5 +1,5 @@
-/* Equilibrium of the free grains: dynamic relaxation, polished by Newton (method 3). SPDX-License-Identifier:
- * GPL-2.0-or-later
+/* Equilibrium of the free grains: dynamic relaxation, polished by Newton or alone (method 3).
+ * SPDX-License-Identifier: GPL-2.0-or-later
  *
  * Relaxation alone decides on which branch the packing ends. Newton takes over only where it cannot change
  * the branch: while the stiffness is positive definite (with friction, where it is not symmetric: regular)
@@ -152,6 +152,10 @@ static gh_status newton_step(gh_rve *r, double fall, bool *falls) {
   return GH_OK;
 }
 
+static bool polishes(const gh_rve *r) {
+  return r->options.relaxation == GH_RELAX_POLISHED;
+}
+
 /* A residual from which relaxation that goes in circles may be helped on. */
 static const double near = 1e-3;
 
@@ -187,7 +191,10 @@ static gh_status relax(gh_rve *r, double tolerance, long *left) {
   double asked = tolerance, floor = r->floor;
   for (;;) {
     double start = gh_seconds();
-    gh_relax_options o = {.tolerance = asked, .max_steps = *left < portion ? *left : portion, .floor = floor};
+    gh_relax_options o = {.tolerance = asked,
+                          .max_steps = *left < portion ? *left : portion,
+                          .floor = floor,
+                          .method = r->options.relaxation};
     gh_relax_result result;
     GH_TRY(gh_engine_relax(r->engine, &o, &result));
     *left -= result.steps;
@@ -195,7 +202,7 @@ static gh_status relax(gh_rve *r, double tolerance, long *left) {
     r->cost.steps += result.steps;
     r->cost.relax += gh_seconds() - start;
     GH_TRY(gh_rve_look_at_contacts(r));
-    if (r->coupled && !result.converged && r->m.residual <= near)
+    if (r->coupled && !result.converged && r->m.residual <= near && polishes(r))
       GH_TRY(leave_circle(r, fmax(tolerance, target(r))));
     if (r->m.residual <= fmax(tolerance, target(r))) return GH_OK;
     if (*left <= 0 || result.steps < 1)
@@ -240,6 +247,12 @@ static void find_limits(gh_rve *r, const double cell[4]) {
   r->floor = fmax(1e-13 * E * gh_packing_mean_radius(r->packing), 4 * DBL_EPSILON * E * r->extent);
 }
 
+/* The residual by relaxation alone. */
+static gh_status solve_alone(gh_rve *r) {
+  long left = r->options.max_steps;
+  return relax(r, r->options.tolerance, &left);
+}
+
 /* Where rotations alone are unknown, the branch cannot change: at a fixed Coulomb limit their incremental
  * potential is convex (positions fix the normal forces). Newton may begin at once there. */
 static gh_status solve(gh_rve *r) {
@@ -269,6 +282,6 @@ gh_status gh_rve_equilibrate(gh_rve *r) {
   GH_TRY(gh_engine_set(r->engine, cell, r->x, r->theta));
   r->cost.set += gh_seconds() - start;
   if (!gh_rve_solves(r)) return gh_rve_look_at_contacts(r);
-  GH_TRY(solve(r));
+  GH_TRY(polishes(r) ? solve(r) : solve_alone(r));
   return gh_engine_get(r->engine, r->x, r->theta);
 }

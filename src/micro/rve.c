@@ -209,7 +209,11 @@ gh_status gh_rve_evaluate(gh_rve *r, const double F[4], unsigned want, double P[
   r->m = (gh_rve_measures){.acoustic = NAN, .acoustic_angle = NAN};
   memcpy(r->F, F, sizeof r->F);
   memcpy(r->m.F, F, sizeof r->m.F);
+  gh_engine_cost before, after;
+  gh_engine_costs(r->engine, &before);
   GH_TRY(evaluate(r, want, A));
+  gh_engine_costs(r->engine, &after);
+  r->m.pairs = after.pairs - before.pairs;
   memcpy(P, r->m.P, sizeof r->m.P);
   r->trial = true;
   r->m.seconds = gh_seconds() - start;
@@ -258,6 +262,7 @@ void gh_rve_costs(const gh_rve *r, gh_rve_cost *cost) {
   gh_engine_cost engine;
   gh_engine_costs(r->engine, &engine);
   cost->history += engine.history_seconds;
+  cost->pairs = engine.pairs;
 }
 
 /* A state is F, positions y; and with friction rotations, the dissipation, the number of slips and the slips.

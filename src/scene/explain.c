@@ -85,6 +85,9 @@ static void explain_micro(const gh_scene *s, gh_text *out) {
                         "of the inner grains",
       [GH_PERIODIC] = "the cell follows F, all its grains are relaxed; tangent by condensation of all grains "
                       "onto the cell"};
+  static const char *const ways[] = {[GH_RELAX_POLISHED] = "central differences, then Newton",
+                                     [GH_RELAX_DAMPED] = "damped: central differences alone, without Newton",
+                                     [GH_RELAX_FIRE] = "fire: FIRE alone, without Newton"};
   bool relaxes = s->micro.boundary == GH_RESTRICTED || s->micro.boundary == GH_PERIODIC;
   explain_packings(s, out);
   gh_text_print(out, "boundary          %s: %s\n", gh_boundary_name(s->micro.boundary),
@@ -96,7 +99,7 @@ static void explain_micro(const gh_scene *s, gh_text *out) {
                         : ", for the contacts only");
   explain_contact(&s->micro.law, out);
   if (relaxes || turns)
-    gh_text_print(out, "relaxation        central differences, then Newton, to a residual of %g\n",
+    gh_text_print(out, "relaxation        %s, to a residual of %g\n", ways[s->micro.relaxation],
                   s->micro.tolerance);
   explain_left_out(s, relaxes, turns, out);
 }

@@ -155,7 +155,8 @@ static gh_status read_contact(gh_scene *s, node root) {
 static gh_status read_micro(gh_scene *s, node root) {
   node micro = gh_yaml_get(root, "micro"), n;
   if (!gh_yaml_has(micro)) return GH_OK;
-  GH_TRY(scene_map(micro, "micro", KEYS("boundary", "tolerance", "engine", "max_steps", "resident")));
+  GH_TRY(scene_map(micro, "micro",
+                   KEYS("boundary", "tolerance", "engine", "max_steps", "resident", "relaxation")));
   const char *word;
   if (gh_yaml_has(n = gh_yaml_get(micro, "boundary"))) {
     GH_TRY(gh_yaml_text(n, "boundary", &word));
@@ -167,6 +168,11 @@ static gh_status read_micro(gh_scene *s, node root) {
     if (strcmp(word, "lammps") != 0 && strcmp(word, "native") != 0)
       return gh_yaml_fail(n, "engine '%s' is none of lammps, native", word);
     s->micro.engine = strcmp(word, "native") == 0 ? GH_ENGINE_NATIVE : GH_ENGINE_LAMMPS;
+  }
+  if (gh_yaml_has(n = gh_yaml_get(micro, "relaxation"))) {
+    GH_TRY(gh_yaml_text(n, "relaxation", &word));
+    if (!gh_relaxation_from_name(word, &s->micro.relaxation))
+      return gh_yaml_fail(n, "relaxation '%s' is none of polished, damped, fire", word);
   }
   if (gh_yaml_has(n = gh_yaml_get(micro, "max_steps")))
     GH_TRY(gh_yaml_integer(n, "max_steps", 1, 2000000000, &s->micro.max_steps));

@@ -57,6 +57,7 @@ static void add_options(cJSON *root, const gh_scene *s, const gh_farm *farm) {
   text(micro, "boundary", gh_boundary_name(s->micro.boundary));
   text(micro, "engine", s->micro.engine == GH_ENGINE_NATIVE ? "native" : "lammps");
   number(micro, "normal_stiffness", s->micro.law.normal_stiffness);
+  text(micro, "relaxation", gh_relaxation_name(s->micro.relaxation));
   number(micro, "tolerance", s->micro.tolerance);
   number(micro, "max_steps", (double)gh_rve_step_limit(&s->micro));
   number(micro, "grains", s->packings[0]->n);
@@ -120,8 +121,10 @@ static void add_summary(cJSON *root, const gh_run_summary *m) {
   number(o, "evaluations", (double)m->cost.evaluations);
   number(o, "relaxation_steps", (double)m->cost.steps);
   number(o, "factorisations", (double)m->cost.factorisations);
+  number(o, "pair_evaluations", (double)m->cost.pairs);
   number(farm, "ranks", m->farm.ranks);
   number(farm, "evaluations", (double)m->farm.evaluations);
+  number(farm, "pair_evaluations", (double)m->farm.pairs);
   number(farm, "computed", (double)m->farm.computed);
   number(farm, "moved", (double)m->farm.moved);
   number(farm, "busy_seconds", m->farm.busy);

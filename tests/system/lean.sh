@@ -40,6 +40,10 @@ explain 'frictionless, periodic' "$smooth" 'periodic: the cell follows F, all it
   'relaxation        central differences, then Newton' 'left out *grain rotations, tangential forces and the history of contacts (frictionless)$' \
   'symmetric (no friction, dead loads): CHOLMOD' 'consistent tangent' 'ranks             one: nothing is sent' '! factorisation of the grains' \
   'grains and contacts of all points' '! dumps' '! footing' '! automatic' 'step 1            press: 2 increments'
+explain 'damped' "$smooth
+micro: {relaxation: damped}" 'relaxation        damped: central differences alone, without Newton, to a residual of 1e-08'
+explain 'FIRE' "$smooth
+micro: {relaxation: fire, tolerance: 1e-6}" 'relaxation        fire: FIRE alone, without Newton, to a residual of 1e-06'
 explain 'friction' "$rough" 'Coulomb friction 0.36397 (20 degrees)' 'unsymmetric (friction): UMFPACK' \
   'left out *hardening of contacts that have opened$' '! history of contacts'
 explain 'friction without rotations, Taylor' "contact: {normal_stiffness: 50, friction_angle: 20, rotations: fixed}
@@ -79,6 +83,7 @@ wrong() { # lines, words
   say $? "refused: $1"
 }
 wrong 'solver: {tangent: secant}' "tangent 'secant' is none of algorithmic, symmetrised, frozen, elastic"
+wrong 'micro: {relaxation: newton}' "relaxation 'newton' is none of polished, damped, fire"
 wrong 'solver: {increments: few}' "increments 'few' is none of planned, automatic"
 wrong 'solver: {at_once: 4}' 'at_once needs `increments: automatic`'
 wrong 'solver: {increments: automatic, at_once: 0}' 'at_once'

@@ -25,12 +25,13 @@ steps:
 Y
 }
 scene periodic "$packings/p50.data" '' >periodic.yaml
+scene periodic "$packings/p50.data" ', resident: 2, relaxation: fire' >fire.yaml
 scene periodic "$packings/p50.data" ', resident: 2' >pool.yaml
 scene taylor "[$packings/p20.data, $packings/p50.data, $packings/p50d.data]" '' >list.yaml
 scene taylor "{ensemble: [$packings/p20.data, $packings/p50.data, $packings/p50d.data], seed: 5}" '' >drawn.yaml
 
 # --- one process ---
-for name in periodic pool list drawn; do
+for name in periodic pool list drawn fire; do
   "$granhom" run $name.yaml -o $name --quiet 2>err; say $? "$name runs"
 done
 same periodic pool 'a pool of two RVEs gives the numbers of twenty-four'
@@ -48,6 +49,8 @@ with h5py.File("list/results.h5") as h5:
 run = json.load(open("drawn/run.json"))["packings"]
 with h5py.File("drawn/results.h5") as h5:
     assert list(h5["/mesh/packing"][:]) == run["of_point"] and set(run["of_point"]) == {0, 1, 2} and run["seed"] == 5
+ways = [json.load(open(f"{name}/run.json"))["options"]["micro"]["relaxation"] for name in ("periodic", "fire")]
+assert ways == ["polished", "fire"], ways
 assert [f["points"] for f in run["files"]] == [run["of_point"].count(k) for k in range(3)]
 assert [f["grains"] for f in run["files"]] == [20, 50, 50]
 E
@@ -78,6 +81,17 @@ for n in 1 2 3 8; do
   mpirun -n $n "$granhom" run periodic.yaml -o on$n --quiet 2>err; say $? "$n ranks: exit 0"
   same periodic on$n "$n ranks give the numbers of one process"
 done
+/usr/bin/python3 - <<'E'
+import json
+def counts(name):
+    s = json.load(open(f"{name}/run.json"))["summary"]
+    return s["pair_evaluations"], s["farm"]["pair_evaluations"]
+done, points = counts("periodic")
+assert 0 < done < points, (done, points)  # points that share are computed once
+assert all(counts(f"on{n}") == (done, points) for n in (1, 2, 3, 8)), [counts(f"on{n}") for n in (1, 2, 3, 8)]
+assert counts("no_share")[1] == points and counts("pool")[1] == points
+E
+say $? 'run.json has the same number of pair evaluations on any number of ranks'
 mpirun -n 3 "$granhom" run pool.yaml -o pool3 --quiet --no-balance --no-share 2>err
 same periodic pool3 '3 ranks without balance and sharing, two RVEs each: the same numbers'
 mpirun -n 3 "$granhom" run drawn.yaml -o drawn3 --quiet 2>err

@@ -63,10 +63,12 @@ for file in ("results.h5", "traces.h5"):
         x.visititems(check)
         assert not names, names
 sums = [json.load(open(f"{d}/run.json")) for d in (a, b)]
+points = [[s["summary"]["farm"][key] for key in ("evaluations", "pair_evaluations")] for s in sums]
+work = [[s["summary"].pop(key) for key in ("evaluations", "relaxation_steps", "factorisations", "pair_evaluations")] for s in sums]
+for list in (points, work):
+    assert all(0 < x <= y for x, y in zip(*list)), list  # what was begun twice counts twice
 for s in sums:
     s["summary"].pop("seconds"), s["summary"].pop("farm")
-    for key in ("evaluations", "relaxation_steps", "factorisations"):
-        s["summary"].pop(key)  # of the engines: what was begun twice counts twice
 assert sums[0]["summary"] == sums[1]["summary"] and sums[1]["status"] == "done", [s["summary"] for s in sums]
 E
 same() { /usr/bin/python3 same.py "$1" "$2" 2>err; say $? "$3"; }

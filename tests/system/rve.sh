@@ -47,9 +47,18 @@ check "more freedom carries less" awk -F, 'FNR == 5 { e[FILENAME] = $14 } END {
   taylor.csv taylor-cell.csv restricted.csv periodic.csv
 native --path path.csv --tolerance 1e-11 -o native.csv 2>/dev/null
 rve "$packing" --engine lammps --normal-stiffness 1000 --path path.csv --tolerance 1e-11 -o lammps.csv >said 2>&1
-check "LAMMPS gives the same stresses" awk -F, '
+same_stresses() { awk -F, '
   FNR > 1 { for (c = 6; c <= 13; c++) { v = $c; if (NR == FNR) { a[FNR, c] = v; if (v < 0) v = -v; if (v > most) most = v } else { d = v - a[FNR, c]; if (d < 0) d = -d; if (d > worst) worst = d; n++ } } }
-  END { exit !(n == 32 && worst <= 1e-9 * most) }' native.csv lammps.csv
+  END { exit !(n == 32 && worst <= 1e-9 * most) }' "$1" "$2"; }
+check "LAMMPS gives the same stresses" same_stresses native.csv lammps.csv
+for way in polished damped fire; do
+  native --path path.csv --tolerance 1e-11 --relaxation $way -o $way.csv 2>/dev/null
+  check "--relaxation $way gives the same stresses" same_stresses native.csv $way.csv
+done
+check "polished is the default" diff <(results native.csv) <(results polished.csv)
+differ() { ! diff -q <(results "$1") <(results "$2") >/dev/null; }
+check "damped is another way" differ polished.csv damped.csv
+check "fire is another way" differ damped.csv fire.csv
 
 # --- tangent ---
 native --path path.csv -o out.csv --tangent tangent.csv 2>/dev/null
@@ -136,6 +145,7 @@ o="-o out.csv --tangent tan.csv --dump a.dump --save-state s.h5"
   refused "option without value" "--path needs a value" $p $o --path
   refused "unknown boundary condition" 'not "traction"' $p --path ../path.csv --boundary traction $o
   refused "unknown engine" 'not "yade"' $p --path ../path.csv --engine yade $o
+  refused "unknown relaxation" '--relaxation is polished, damped or fire, not "newton"' $p --path ../path.csv --relaxation newton $o
   for value in 0 -5 nan inf 1e999 abc 50x ""; do
     refused "stiffness '$value'" "--normal-stiffness must be a positive number, not \"$value\"" $p --path ../path.csv --normal-stiffness "$value" $o
     refused "tolerance '$value'" "--tolerance must be a positive number, not \"$value\"" $p --path ../path.csv --tolerance "$value" $o

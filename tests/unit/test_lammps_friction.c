@@ -166,7 +166,7 @@ static void no_memory(void **state) {
   other.law = s.law;
   memcpy(other.radius, s.radius, sizeof s.radius);
   other.nslips = 0;
-  const gh_relax_options o = {1e-6, 2000, 0};
+  const gh_relax_options o = {1e-6, 2000, 0, GH_RELAX_DAMPED};
   gh_engine *fresh = make_engine(ctx, &s, GH_ENGINE_LAMMPS), *used = make_engine(ctx, &s, GH_ENGINE_LAMMPS);
   gh_relax_result r[2];
   gh_contact_list a, b;
@@ -229,7 +229,7 @@ static void relaxes_as_native(void **state) {
     for (int m = 0; m < ENGINES; m++) {
       gh_engine *g = make_engine(ctx, &s, KINDS[m]);
       put(ctx, g, &s);
-      OK(gh_engine_relax(g, &(gh_relax_options){1e-11, 100000, 0}, &r[m]));
+      OK(gh_engine_relax(g, &(gh_relax_options){1e-11, 100000, 0, GH_RELAX_DAMPED}, &r[m]));
       assert_true(r[m].converged && r[m].residual <= 1e-11);
       OK(gh_engine_get(g, x[m], theta[m]));
       OK(gh_engine_contacts(g, &list));
@@ -521,18 +521,20 @@ static void stress_now(void *lmp, double s[4]) {
 }
 
 /* The tangent is the derivative of the relaxed stress at fixed state n, with friction and without, with one
- * relaxation step per time step and with many. LAMMPS's boxes allow F11, F12, F22; turning gives F21. */
+ * relaxation step per time step and with many, damped and FIRE. LAMMPS's boxes allow F11, F12, F22; turning
+ * gives F21. */
 static void tangents(void **state) {
   gh_context *ctx = *state;
-  for (int k = 0; k < 3; k++) {
+  for (int k = 0; k < 4; k++) {
     void *lmp = open_packing(ctx, "p50d", k ? "granhom/coulomb increment manual" : "granhom/normal",
                              k ? "1000 800 0.3 20" : "1000");
     const double h = 1e-6;
     double A[16], S[4], worst = 0;
     command(ctx, lmp, "compute t all granhom/tangent");
     command(ctx, lmp,
-            k == 2 ? "fix r all granhom/relax tolerance 1e-11"
-                   : "fix r all granhom/relax tolerance 1e-11 inner yes");
+            k == 3   ? "fix r all granhom/relax tolerance 1e-11 inner yes method fire"
+            : k == 2 ? "fix r all granhom/relax tolerance 1e-11"
+                     : "fix r all granhom/relax tolerance 1e-11 inner yes");
     command(ctx, lmp, "run 100000 post no");
     for (int step = 0; step < 2; step++) {
       if (k) command(ctx, lmp, "fix_modify granhom_history commit yes");

@@ -17,8 +17,8 @@
   X(run)                                                                                                     \
   X(begin)                                                                                                   \
   X(set)                                                                                                     \
-  X(relax) X(rattlers) X(analyses) X(factorisations) X(lu_analyses) X(lu_factorisations) X(umfpack)          \
-      X(tangents)
+  X(relax)                                                                                                   \
+  X(rattlers) X(analyses) X(factorisations) X(lu_analyses) X(lu_factorisations) X(umfpack) X(tangents)
 
 typedef struct counts {
 #define FIELD(name) long name;
@@ -150,15 +150,17 @@ static void drop_block(block *b) {
 
 /* A round there and back after two to warm up. The path is the same in each, so that nothing that was large
  * enough before needs to grow. */
-static void steady(gh_context *ctx, gh_boundary boundary, gh_engine_kind engine, bool friction) {
+static void steady(gh_context *ctx, gh_boundary boundary, gh_engine_kind engine, bool friction,
+                   gh_relaxation relaxation) {
   static const int round[] = {1, 2, 1, 0};
   enum { PER_ROUND = 4, WARM = 2 * PER_ROUND, ALL = 3 * PER_ROUND };
   char name[80];
   block b;
   counts sum = {0};
   gh_rve_options o = law(boundary, engine, friction);
-  snprintf(name, sizeof name, "%s %s%s", engine_names[engine], gh_boundary_name(boundary),
-           friction ? " friction" : "");
+  o.relaxation = relaxation;
+  snprintf(name, sizeof name, "%s %s%s %s", engine_names[engine], gh_boundary_name(boundary),
+           friction ? " friction" : "", gh_relaxation_name(relaxation));
   make_block(ctx, &o, false, GH_TANGENT_ALGORITHMIC, &b);
   for (int n = 0; n < ALL; n++) {
     solve(ctx, &b, round[n % PER_ROUND]);
@@ -183,7 +185,10 @@ static void steady(gh_context *ctx, gh_boundary boundary, gh_engine_kind engine,
 static void iterations_ask_for_nothing(void **state) {
   for (int e = 0; e < 2; e++)
     for (int f = 0; f < 2 && use_engine((gh_engine_kind)e); f++)
-      for (int k = 0; k < 4; k++) steady(*state, all_boundaries[k], (gh_engine_kind)e, f);
+      for (int k = 0; k < 4; k++) {
+        steady(*state, all_boundaries[k], (gh_engine_kind)e, f, GH_RELAX_POLISHED);
+        if (k == 3) steady(*state, all_boundaries[k], (gh_engine_kind)e, f, GH_RELAX_FIRE);
+      }
 }
 
 /* Points that share begin as one RVE and open one each when they part, in the first iteration: not one more

@@ -457,10 +457,12 @@ static gh_status relax(bridge *e, const gh_relax_options *o, gh_relax_result *r)
   gh_lmp_relaxed end;
   GH_TRY(check_valid(e));
   e->valid = e->started = false;
-  GH_TRY(gh_lmp_relax(e->ctx, e->lmp, FIX, o->tolerance, o->floor, o->max_steps, &end));
+  GH_TRY(gh_lmp_relax(e->ctx, e->lmp, FIX, o->tolerance, o->floor, o->max_steps, o->method == GH_RELAX_FIRE,
+                      &end));
   e->valid = e->started = e->relaxed = true;
   *r = (gh_relax_result){end.residual, end.mean_force, end.steps, end.converged};
   e->cost.steps += r->steps;
+  e->cost.pairs += end.pairs;
   return GH_OK;
 }
 
@@ -601,6 +603,8 @@ static gh_status bridge_contacts(void *self, gh_contact_list *list) {
   double start = gh_seconds();
   GH_TRY(check_valid(e));
   int count;
+  long pairs;
+  GH_TRY(gh_lmp_pairs(e->ctx, e->lmp, FIX, &pairs));
   GH_TRY(collect(e, &count));
   *list = (gh_contact_list){.count = count,
                             .contacts = e->contacts,
@@ -608,6 +612,7 @@ static gh_status bridge_contacts(void *self, gh_contact_list *list) {
                             .force = e->force,
                             .moment = e->moment};
   e->cost.evaluations++;
+  e->cost.pairs += pairs;
   e->cost.contact_seconds += gh_seconds() - start;
   return GH_OK;
 }

@@ -37,16 +37,19 @@ using granhom::PairNormal;
 enum { BOUND_EVERY = 32 }; /* steps between two bounds of the largest eigenvalue */
 
 FixRelax::FixRelax(LAMMPS *l, int narg, char **arg)
-    : Fix(l, narg, arg), tolerance(1e-8), floor_force(0), max_steps(LONG_MAX), inner(false), driven(false),
-      cluster(false), active(true), forced(false), pair(nullptr), coulomb(nullptr), history(nullptr),
-      turns(false), ended(RUNNING), fresh(true), residual(0), mean_force(0), steps(0), rebuilds(0),
-      builds_at_start(0), ended_at(-1), dt(0), vf(0), ff(0), vv(0), vf_before(0), compare(false) {
+    : Fix(l, narg, arg), tolerance(1e-8), floor_force(0), max_steps(LONG_MAX), inner(false), by_fire(false),
+      driven(false), cluster(false), active(true), forced(false), pair(nullptr), coulomb(nullptr),
+      history(nullptr), turns(false), ended(RUNNING), fresh(true), damping(0), fire(), residual(0),
+      mean_force(0), steps(0), rebuilds(0), builds_at_start(0), evaluated(0), listed(0), listed_at(-1),
+      ended_at(-1), dt(0), vf(0), ff(0), vv(0), vf_before(0), compare(false) {
   parse(narg, arg);
   time_integrate = 1;
   vector_flag = 1;
   size_vector = 5;
   extvector = 0;
   comm_reverse = 6;
+  if (by_fire && !inner)
+    error->all(FLERR, std::string("Fix granhom/relax with method fire requires inner yes"));
   if (inner) {
     force_reneighbor = 1;
     next_reneighbor = -1;
@@ -66,6 +69,10 @@ void FixRelax::parse(int narg, char **arg) {
       if (value != "yes" && value != "no")
         error->all(FLERR, "Illegal fix granhom/relax command: inner is yes or no, not " + value);
       inner = value == "yes";
+    } else if (word == "method") {
+      if (value != "damped" && value != "fire")
+        error->all(FLERR, "Illegal fix granhom/relax command: method is damped or fire, not " + value);
+      by_fire = value == "fire";
     } else if (word == "max_steps") {
       max_steps = utils::bnumeric(FLERR, arg[k + 1], false, lmp);
       if (max_steps < 1)
@@ -126,7 +133,7 @@ void FixRelax::begin() {
     if (atom->mask[i] & groupbit) std::fill(atom->v[i], atom->v[i] + 3, 0.0);
   for (int i = 0; turns && i < atom->nlocal; i++) atom->omega[i][2] = 0;
   fresh = compare = false;
-  steps = rebuilds = 0;
+  steps = rebuilds = evaluated = 0;
   residual = mean_force = damping = vf = ff = vv = vf_before = 0;
   builds_at_start = pair->builds;
   ended = RUNNING;
@@ -385,6 +392,30 @@ void FixRelax::find_pairs() {
   }
   std::sort(pairs.begin(), pairs.end(), in_order);
   if (history) split_candidates();
+  count_pairs();
+}
+
+/* With newton off a pair with a ghost is listed from both sides, a grain with its own image too. */
+void FixRelax::count_pairs() {
+  const NeighList *list = pair->list;
+  const double *r = atom->radius;
+  long halves = 0;
+  for (int ii = 0; ii < list->inum; ii++) {
+    const int i = list->ilist[ii];
+    for (int jj = 0; jj < list->numneigh[i]; jj++) {
+      const int j = list->firstneigh[i][jj] & NEIGHMASK;
+      const double lx = atom->x[j][0] - atom->x[i][0], ly = atom->x[j][1] - atom->x[i][1],
+                   far = r[i] + r[j] + neighbor->skin;
+      if (lx * lx + ly * ly <= far * far) halves += j < atom->nlocal || force->newton_pair ? 2 : 1;
+    }
+  }
+  listed = halves / 2;
+  listed_at = pair->builds;
+}
+
+long FixRelax::pairs_on_list() {
+  if (listed_at != pair->builds) count_pairs();
+  return listed;
 }
 
 /* With friction a pair is sorted with its memory; the kernel wants two lists. */
@@ -403,7 +434,8 @@ gh_relax_end FixRelax::kernel(gh_relax_state *s) {
   work.resize(gh_relax_work(s->n, s->npairs));
   s->work = work.data();
   pair->one_stiffness(&s->stiffness);
-  return gh_relax_run(s, tolerance, floor_force, max_steps - steps, &residual, &mean_force, &steps);
+  return (by_fire ? gh_relax_fire : gh_relax_run)(s, tolerance, floor_force, max_steps - steps, &residual,
+                                                  &mean_force, &steps);
 }
 
 gh_relax_end FixRelax::kernel_with_friction(gh_relax_state *state) {
@@ -425,9 +457,10 @@ gh_relax_end FixRelax::kernel_with_friction(gh_relax_state *state) {
   s.law = &law;
   s.radius = R.data(), s.memory = memory.data(), s.theta_n = Tn.data();
   s.theta = T.data(), s.w = W.data(), s.m = M.data();
-  const gh_relax_end how =
-      gh_relax_friction_run(&s, tolerance, floor_force, max_steps - steps, &residual, &mean_force, &steps);
+  const gh_relax_end how = (by_fire ? gh_relax_friction_fire : gh_relax_friction_run)(
+      &s, tolerance, floor_force, max_steps - steps, &residual, &mean_force, &steps);
   state->damping = s.grains.damping;
+  state->fire = s.grains.fire;
   for (std::size_t r = 0; turns && r < n; r++) {
     history->set_turn(order[r], T[r]);
     atom->omega[order[r]][2] = W[r];
@@ -456,8 +489,12 @@ void FixRelax::run_kernel() {
   s.slack = neighbor->skin / 2;
   s.started = steps > 0;
   s.damping = damping;
+  s.fire = fire;
+  const long before = steps;
   const gh_relax_end how = coulomb ? kernel_with_friction(&s) : kernel(&s);
   damping = s.damping;
+  fire = s.fire;
+  evaluated += (steps - before) * (long)pairs.size();
   for (std::size_t r = 0; r < n; r++) {
     if (held[r]) continue;
     for (std::size_t k = 0; k < 2; k++) {
@@ -578,10 +615,11 @@ void FixRelax::advance() {
   modify->final_integrate();
 }
 
-void FixRelax::tell(double *force, double *mean, long *done, bool *reached) const {
+void FixRelax::tell(double *force, double *mean, long *done, long *seen, bool *reached) const {
   *force = residual;
   *mean = mean_force;
   *done = steps;
+  *seen = evaluated;
   *reached = ended == CONVERGED || ended == UNJAMMED;
 }
 
@@ -599,10 +637,11 @@ void FixRelax::rebuild_next() {
   next_reneighbor = update->ntimestep + 1;
 }
 
-void FixRelax::relax_next(double new_tolerance, double new_floor, long new_max_steps) {
+void FixRelax::relax_next(double new_tolerance, double new_floor, long new_max_steps, bool with_fire) {
   tolerance = new_tolerance;
   floor_force = new_floor;
   max_steps = new_max_steps;
+  by_fire = with_fire;
   active = fresh = true;
   ended = RUNNING;
 }

@@ -4,7 +4,7 @@
 #define GRANHOM_LAMMPS_FIX_RELAX_H
 
 #include "engine/lammps/c_mpi.h"
-#include "engine/relax_friction.h"
+#include "engine/relax_fire.h"
 
 #include "fix.h"
 
@@ -44,13 +44,16 @@ public:
   void set_cell(double lx, double ly, double xy);
   void rebuild_next();
   /* The next steps relax, until finished(). */
-  void relax_next(double new_tolerance, double new_floor, long new_max_steps);
+  void relax_next(double new_tolerance, double new_floor, long new_max_steps, bool with_fire);
   bool finished() const { return ended != RUNNING; }
   void idle() { active = false; }
   int group_bit() const { return groupbit; }
   long builds() const;
-  /* Of the last relaxation. */
-  void tell(double *force, double *mean, long *done, bool *reached) const;
+  /* Pairs on LAMMPS's list as the kernel sees it: those that were within reach and skin when it was made,
+   * each once. */
+  long pairs_on_list();
+  /* Of the last relaxation; seen: pairs whose contact the kernel has evaluated, summed over its steps. */
+  void tell(double *force, double *mean, long *done, long *seen, bool *reached) const;
 
 private:
   enum state { RUNNING, CONVERGED, UNJAMMED, SPENT };
@@ -58,6 +61,7 @@ private:
   double tolerance, floor_force;
   long max_steps;
   bool inner;                           /* steps are made inside one time step, by the kernel */
+  bool by_fire;                         /* FIRE instead of damped central differences */
   bool driven, cluster, active, forced; /* forced: the run was ended through LAMMPS's timer */
   PairNormal *pair;
   PairCoulomb *coulomb; /* the same with friction; null without */
@@ -67,9 +71,11 @@ private:
   state ended;
   bool fresh;     /* the next step begins a new relaxation */
   double damping; /* of the kernel's last step, carried from list to list */
+  gh_fire fire;   /* the same, of FIRE */
   double residual, mean_force;
   long steps, rebuilds, builds_at_start;
-  LAMMPS_NS::bigint ended_at; /* time step */
+  long evaluated, listed, listed_at; /* pairs; listed: of the list number listed_at */
+  LAMMPS_NS::bigint ended_at;        /* time step */
 
   /* one step per time step: last sums over the grains, see measure() */
   double dt, vf, ff, vv, vf_before;
@@ -104,6 +110,7 @@ private:
   void turn(double a, double b);
   void sort_ids();
   void find_pairs();
+  void count_pairs();
   void add_pair(int i, int j);
   void split_candidates();
   gh_relax_end kernel(gh_relax_state *s);

@@ -311,12 +311,12 @@ gh_status gh_lmp_advance(gh_context *ctx, void *lmp, const char *id) {
 }
 
 gh_status gh_lmp_relax(gh_context *ctx, void *lmp, const char *id, double tolerance, double floor,
-                       long max_steps, gh_lmp_relaxed *r) {
+                       long max_steps, bool fire, gh_lmp_relaxed *r) {
   return with_fix(ctx, lmp, id, [&](granhom::FixRelax *fix) {
-    fix->relax_next(tolerance, floor, max_steps);
+    fix->relax_next(tolerance, floor, max_steps, fire);
     while (!fix->finished()) fix->advance();
     fix->idle();
-    fix->tell(&r->residual, &r->mean_force, &r->steps, &r->converged);
+    fix->tell(&r->residual, &r->mean_force, &r->steps, &r->pairs, &r->converged);
     return GH_OK;
   });
 }
@@ -324,6 +324,13 @@ gh_status gh_lmp_relax(gh_context *ctx, void *lmp, const char *id, double tolera
 gh_status gh_lmp_builds(gh_context *ctx, void *lmp, const char *id, long *builds) {
   return with_fix(ctx, lmp, id, [&](granhom::FixRelax *fix) {
     *builds = fix->builds();
+    return GH_OK;
+  });
+}
+
+gh_status gh_lmp_pairs(gh_context *ctx, void *lmp, const char *id, long *pairs) {
+  return with_fix(ctx, lmp, id, [&](granhom::FixRelax *fix) {
+    *pairs = fix->pairs_on_list();
     return GH_OK;
   });
 }

@@ -52,12 +52,12 @@ gh_status gh_lmp_rebuild(gh_context *ctx, void *lmp, const char *id);
 gh_status gh_lmp_advance(gh_context *ctx, void *lmp, const char *id);
 typedef struct gh_lmp_relaxed {
   double residual, mean_force;
-  long steps;
-  bool converged; /* or unjammed */
+  long steps, pairs; /* pairs: evaluated, summed over the steps */
+  bool converged;    /* or unjammed */
 } gh_lmp_relaxed;
-/* Relaxes until the residual is met, or the steps or all contacts are gone. */
+/* Relaxes until the residual is met, or the steps or all contacts are gone; with FIRE or damped. */
 gh_status gh_lmp_relax(gh_context *ctx, void *lmp, const char *id, double tolerance, double floor,
-                       long max_steps, gh_lmp_relaxed *result);
+                       long max_steps, bool fire, gh_lmp_relaxed *result);
 /* ---- driving pair style granhom/coulomb, from the first run on; arrays by id - 1 ---- */
 
 /* State n: lattice H (columns), unwrapped positions (n x 2), rotations, and the history of the contacts with
@@ -69,6 +69,8 @@ gh_status gh_lmp_get_rotations(gh_context *ctx, void *lmp, double *theta);
 
 /* Number of neighbour lists made so far. */
 gh_status gh_lmp_builds(gh_context *ctx, void *lmp, const char *id, long *builds);
+/* Pairs on the neighbour list within reach and skin, each once. After the first run. */
+gh_status gh_lmp_pairs(gh_context *ctx, void *lmp, const char *id, long *pairs);
 
 /* ---- a LAMMPS program of its own ---- */
 

@@ -5,6 +5,7 @@
 #include "engine/native/history.h"
 #include "engine/native/neighbours.h"
 #include "engine/ops.h"
+#include "engine/relax_fire.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -132,14 +133,17 @@ static gh_status native_move(void *self, const double *x, const double *theta) {
 static gh_relax_end relax_on_list(native *e, gh_relax_state *s, gh_relax_friction *f,
                                   const gh_relax_options *o, gh_relax_result *r) {
   const long left = o->max_steps - r->steps;
+  const bool fire = o->method == GH_RELAX_FIRE;
   gh_relax_state *g = e->law.friction ? &f->grains : s;
   g->pairs = e->nb.pairs;
   g->npairs = (int)e->nb.npairs;
   g->work = e->work;
   f->memory = e->history.memory;
   if (!e->law.friction)
-    return gh_relax_run(s, o->tolerance, o->floor, left, &r->residual, &r->mean_force, &r->steps);
-  return gh_relax_friction_run(f, o->tolerance, o->floor, left, &r->residual, &r->mean_force, &r->steps);
+    return (fire ? gh_relax_fire : gh_relax_run)(s, o->tolerance, o->floor, left, &r->residual,
+                                                 &r->mean_force, &r->steps);
+  return (fire ? gh_relax_friction_fire : gh_relax_friction_run)(f, o->tolerance, o->floor, left,
+                                                                 &r->residual, &r->mean_force, &r->steps);
 }
 
 static gh_status native_relax(void *self, const gh_relax_options *o, gh_relax_result *r) {
@@ -163,7 +167,9 @@ static gh_status native_relax(void *self, const gh_relax_options *o, gh_relax_re
   *r = (gh_relax_result){0};
   gh_relax_end end = GH_RELAX_REBUILD;
   while (end == GH_RELAX_REBUILD && r->steps < o->max_steps) {
+    const long before = r->steps;
     end = relax_on_list(e, &s, &f, o, r);
+    e->cost.pairs += (r->steps - before) * (long)e->nb.npairs;
     if (end == GH_RELAX_REBUILD) GH_TRY(find_pairs(e));
   }
   r->converged = end == GH_RELAX_CONVERGED || end == GH_RELAX_UNJAMMED;
@@ -257,6 +263,7 @@ static gh_status native_contacts(void *self, gh_contact_list *list) {
   *list = (gh_contact_list){
       .count = (int)n, .contacts = e->contacts, .friction = e->friction, .force = e->f, .moment = e->m};
   e->cost.evaluations++;
+  e->cost.pairs += (long)(e->nb.npairs + e->nb.nown);
   e->cost.contact_seconds += gh_seconds() - start;
   return GH_OK;
 }
