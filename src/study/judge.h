@@ -62,11 +62,11 @@ gh_status study_fit_orders(gh_study *s);
 typedef struct study_word {
   char text[48];
 } study_word;
-study_word study_error_word(double error);     /* "3.10e-3"; "-" for NAN */
+study_word study_error_word(double error);     /* "3.10e-3", "0.125"; "-" for NAN */
 study_word study_seconds_word(double seconds); /* "0.820", "1230" */
 study_word study_count_word(double count);     /* "1234", "1.20e6" */
 study_word study_goal_word(double goal);       /* "1 %", "1e-6" */
-study_word study_plain_word(double value);     /* three digits, short: "0.98" */
+study_word study_order_word(double order);     /* "1.98" */
 
 typedef enum study_style { STUDY_PLAIN, STUDY_MARKDOWN } study_style;
 /* Text as it is, or with a backslash before what Markdown would read as markup. */

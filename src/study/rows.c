@@ -219,7 +219,7 @@ static void cell(const gh_study *s, kind what, int index, int k, char text[CELL]
     w = study_count_word(row->members ? study_count_of(s, k) : NAN);
     break;
   case ORDER:
-    w = study_plain_word(row->order);
+    w = study_order_word(row->order);
     break;
   case NO_KIND:
     break;
@@ -313,7 +313,7 @@ static bool order_cell(const table *t, int row, int column, char text[CELL]) {
   if (what < 0) snprintf(text, CELL, "%s", f ? s->settings[f->first].value[knob] : s->knobs[knob].name);
   else if (!f && what == 0) snprintf(text, CELL, "order in %s", s->knobs[s->order].name);
   else if (!f) snprintf(text, CELL, "%s", heads[what]);
-  else if (what == 0) snprintf(text, CELL, "%s", study_plain_word(f->order).text);
+  else if (what == 0) snprintf(text, CELL, "%s", study_order_word(f->order).text);
   else if (what == 3) remark(s, f, text);
   else {
     int choice = what == 1 ? f->from : f->to;

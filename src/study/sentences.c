@@ -60,21 +60,27 @@ static void print_doubt(const gh_study *s, int k, double goal, gh_text *out) {
   gh_text_print(out, ".");
 }
 
-static void print_goal(const gh_study *s, double goal, study_style style, gh_text *out) {
+static void print_choice(const gh_study *s, int k, double goal, study_style style, gh_text *out) {
   char name[NAME];
-  const char *what = s->quantities[s->main].name;
-  int k = cheapest(s, goal);
-  bool reached = k >= 0;
-  if (!reached) k = nearest(s);
   study_name(s, k, -1, name, sizeof name);
-  if (reached) gh_text_print(out, "For %s of the %s: ", study_goal_word(goal).text, what);
-  else
-    gh_text_print(out, "No setting reaches %s of the %s; the nearest is ", study_goal_word(goal).text, what);
   study_print_escaped(out, style, name);
   print_price(s, k, out);
   gh_text_print(out, ".");
-  print_doubt(s, k, reached ? goal : 0, out);
+  print_doubt(s, k, goal, out);
   gh_text_print(out, "\n");
+}
+
+/* The goals are descending, so those that nothing reaches are the last ones: one sentence names them all. */
+static void print_unreached(const gh_study *s, int first, study_style style, gh_text *out) {
+  gh_text_print(out, "No setting reaches");
+  for (int k = first; k < s->ngoals; k++)
+    gh_text_print(out, "%s %s",
+                  k == first          ? ""
+                  : k + 1 < s->ngoals ? ","
+                                      : " or",
+                  study_goal_word(s->goals[k]).text);
+  gh_text_print(out, " of the %s; the nearest is ", s->quantities[s->main].name);
+  print_choice(s, nearest(s), 0, style, out);
 }
 
 void study_print_sentences(const gh_study *s, study_style style, const char *lead, gh_text *out) {
@@ -86,8 +92,14 @@ void study_print_sentences(const gh_study *s, study_style style, const char *lea
     return;
   }
   for (int k = 0; k < s->ngoals; k++) {
+    int best = cheapest(s, s->goals[k]);
     gh_text_print(out, "%s", lead);
-    print_goal(s, s->goals[k], style, out);
+    if (best < 0) {
+      print_unreached(s, k, style, out);
+      return;
+    }
+    gh_text_print(out, "For %s of the %s: ", study_goal_word(s->goals[k]).text, s->quantities[s->main].name);
+    print_choice(s, best, s->goals[k], style, out);
   }
 }
 
