@@ -146,7 +146,7 @@ static void write_axes(plot *p, const char *x_label, gh_text *t) {
   study_print_quoted(t, x_label);
   gh_text_print(t, " noenhanced\nset ylabel 'relative error of the %s%s' noenhanced\n",
                 p->s->quantities[p->s->main].name, study_has_ensembles(p->s) ? " (mean of packings)" : "");
-  gh_text_print(t, "set key outside right top Left reverse samplen 2 spacing 1.15\nset bars 0.5\n");
+  gh_text_print(t, "set key outside right top Left reverse samplen 2 spacing 1.15\n");
 }
 
 /* The name of a curve in the key; over the knob itself with its order. */
@@ -171,7 +171,7 @@ static void write_title(const plot *p, int first, gh_text *t) {
 static void write_bars(const plot *p, gh_text *t) {
   for (int k = 0, n = 0; k < p->s->nsettings && p->bars; k++)
     if (begins_curve(p, k)) {
-      gh_text_print(t, "$curve%d using 1:2:3:4 with yerrorbars lc rgb '%s' lw 0.7 pt 7 ps 0.1 notitle, ", n,
+      gh_text_print(t, "$curve%d using 1:3:(0):($4-$3) with vectors nohead lc rgb '%s' lw 0.7 notitle, ", n,
                     study_colour(n));
       n++;
     }

@@ -112,9 +112,13 @@ static void write_bars(const gh_study *s, int panel, gh_text *t) {
     look l = look_of(s, k, number++);
     int n = study_first_curve(s->settings + k)->n, every = n / BARS > 1 ? n / BARS : 1;
     if (s->verdict->row[k].members < 2) continue;
-    gh_text_print(t, "$curve%d every %d::%d using 1:%d:%d with yerrorbars lc rgb '%s' lw 0.6 pt 7 ps 0.1 notitle, ",
-                  k, every, number % every, 2 + 2 * panel, 3 + 2 * panel,
-                  s->settings[k].extra ? "#000000" : study_colour(l.colour));
+    int mean = 2 + 2 * panel, deviation = mean + 1;
+    gh_text_print(
+        t,
+        "$curve%d every %d::%d using 1:($%d-$%d):(0):(2*$%d) with vectors nohead lc rgb '%s' lw 0.8 "
+        "notitle, ",
+        k, every, number % every, mean, deviation, deviation,
+        s->settings[k].extra ? "#000000" : study_colour(l.colour));
   }
 }
 
@@ -171,7 +175,7 @@ static void write_layout(const gh_study *s, int across, int down, int columns, i
   gh_text_print(t, "set multiplot layout %d,%d margins %g,0.98,%.4f,%.4f spacing 0.11,%.4f title ", down,
                 across, across > 1 ? 0.08 : 0.1, foot / height, 1 - 50.0 / height, 45.0 / height);
   study_print_quoted(t, s->title ? s->title : "");
-  gh_text_print(t, " noenhanced\nset bars 0.4\nset autoscale xfix\n");
+  gh_text_print(t, " noenhanced\nset autoscale xfix\n");
   gh_text_print(t,
                 "set key at screen 0.5, screen %.4f center bottom horizontal maxcols %d width %d Left "
                 "reverse samplen 2.5 noenhanced\n",
