@@ -1,5 +1,5 @@
 /* What the pictures of a study share. SPDX-License-Identifier: GPL-2.0-or-later */
-#include "study/judge.h"
+#include "study/draw.h"
 
 #include <stdlib.h>
 

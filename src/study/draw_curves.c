@@ -1,6 +1,6 @@
 /* Columns over t, one curve for each setting, with the scatter of the packings.
  * SPDX-License-Identifier: GPL-2.0-or-later */
-#include "study/judge.h"
+#include "study/draw.h"
 
 #include <string.h>
 

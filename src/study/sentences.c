@@ -51,11 +51,7 @@ static void print_doubt(const gh_study *s, int k, double goal, gh_text *out) {
   const study_judged *row = s->verdict->row + k;
   double error = row->l2[s->main], chance = row->chance[s->main];
   if (!(chance > error)) return;
-  gh_text_print(
-      out,
-      " With %d packings this difference can't be told from chance: the 95 %% interval is %s wide on "
-      "either side",
-      row->members, study_error_word(chance).text);
+  gh_text_print(out, " With %d packings this difference can't be told from chance", row->members);
   if (error <= goal && error + chance > goal) gh_text_print(out, ", so whether the goal is met remains open");
   gh_text_print(out, ".");
 }
@@ -155,15 +151,15 @@ static bool any_zero(const gh_study *s) {
   return false;
 }
 
-void study_print_notes(const gh_study *s, study_style style, gh_text *out) {
-  (void)style;
-  gh_text_print(
-      out,
-      "Errors are relative: the l2 norm of the difference over that of the reference, over the values "
-      "of t that both have; largest: the largest difference over the largest value. Seconds are those "
-      "of one core. Front: nothing else is at least as accurate and cheaper, in time, in work (%s), or in "
-      "both.",
-      study_count_name(study_counts(s)));
+void study_print_notes(const gh_study *s, gh_text *out) {
+  study_counted counted = study_counts(s);
+  gh_text_print(out,
+                "Errors are relative: the l2 norm of the difference over that of the reference, over the "
+                "values of t that both have; largest: the largest difference over the largest value. Seconds "
+                "are those of one core. Front: nothing else is at least as accurate and cheaper");
+  if (counted != STUDY_NOTHING)
+    gh_text_print(out, ", in time, in work (%s), or in both", study_count_name(counted));
+  gh_text_print(out, ".");
   note_references(s, out);
   if (study_has_ensembles(s))
     gh_text_print(out,

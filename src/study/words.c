@@ -53,7 +53,8 @@ study_word study_goal_word(double goal) {
 
 void study_print_escaped(gh_text *out, study_style style, const char *text) {
   for (; *text; text++)
-    gh_text_print(out, style == STUDY_MARKDOWN && strchr("*|<`\\", *text) ? "\\%c" : "%c", *text);
+    gh_text_print(out, style == STUDY_MARKDOWN && strchr("*|<`\\", *text) ? "\\%c" : "%c",
+                  *text == '\n' ? ' ' : *text);
 }
 
 __attribute__((format(printf, 3, 4))) static void append(char *text, size_t size, const char *format, ...) {
