@@ -104,22 +104,35 @@ static void write_unit(const gh_study *s, const char *column, gh_text *t) {
   else if (strncmp(column, "force", 5) != 0 && *force && *length) gh_text_print(t, " (%s/%s)", force, length);
 }
 
-/* About BARS bars on each curve, each curve's a little further on so that they do not hide each other; before
- * the lines, which lie on them. */
+/* About BARS bars on each curve, each curve's a little beside the point where they belong so that they do not
+ * hide each other; before the lines, which lie on them. */
 static void write_bars(const gh_study *s, int panel, gh_text *t) {
+  int curves = count_curves(s), mean = 2 + 2 * panel, deviation = mean + 1;
   for (int k = 0, number = 0; k < s->nsettings; k++) {
     if (!drawn(s, k)) continue;
     look l = look_of(s, k, number++);
-    int n = study_first_curve(s->settings + k)->n, every = n / BARS > 1 ? n / BARS : 1;
+    const study_curve *c = study_first_curve(s->settings + k);
+    int every = c->n / BARS > 1 ? c->n / BARS : 1;
     if (s->verdict->row[k].members < 2) continue;
-    int mean = 2 + 2 * panel, deviation = mean + 1;
-    gh_text_print(
-        t,
-        "$curve%d every %d::%d using 1:($%d-$%d):(0):(2*$%d) with vectors nohead lc rgb '%s' lw 0.8 "
-        "notitle, ",
-        k, every, number % every, mean, deviation, deviation,
-        s->settings[k].extra ? "#000000" : study_colour(l.colour));
+    double between = every * (c->t[c->n - 1] - c->t[0]) / fmax(c->n - 1, 1);
+    double beside = 0.7 * between * ((number - 0.5) / (curves + 1) - 0.5);
+    gh_text_print(t,
+                  "$curve%d every %d using ($1+%.17g):($%d-$%d):(0):(2*$%d) with vectors nohead lc rgb '%s' "
+                  "lw 0.8 notitle, ",
+                  k, every, beside, mean, deviation, deviation,
+                  s->settings[k].extra ? "#000000" : study_colour(l.colour));
   }
+}
+
+/* The t of all curves. */
+static void write_range(const gh_study *s, gh_text *t) {
+  double low = INFINITY, high = -INFINITY;
+  for (int k = 0; k < s->nsettings; k++) {
+    if (!drawn(s, k)) continue;
+    const study_curve *c = study_first_curve(s->settings + k);
+    low = fmin(low, c->t[0]), high = fmax(high, c->t[c->n - 1]);
+  }
+  if (high > low) gh_text_print(t, "set xrange [%.17g:%.17g]\n", low, high);
 }
 
 static void write_panel(const gh_study *s, int panel, gh_text *t) {
@@ -175,7 +188,7 @@ static void write_layout(const gh_study *s, int across, int down, int columns, i
   gh_text_print(t, "set multiplot layout %d,%d margins %g,0.98,%.4f,%.4f spacing 0.11,%.4f title ", down,
                 across, across > 1 ? 0.08 : 0.1, foot / height, 1 - 50.0 / height, 45.0 / height);
   study_print_quoted(t, s->title ? s->title : "");
-  gh_text_print(t, " noenhanced\nset autoscale xfix\n");
+  gh_text_print(t, " noenhanced\n");
   gh_text_print(t,
                 "set key at screen 0.5, screen %.4f center bottom horizontal maxcols %d width %d Left "
                 "reverse samplen 2.5 noenhanced\n",
@@ -193,6 +206,7 @@ gh_status study_draw_curves(const gh_study *s, const char *folder) {
     if (drawn(s, k)) write_curve(s, k, t);
   if (has_given(s)) write_given(s, t);
   write_layout(s, across, down, columns, lines, letters, height, t);
+  write_range(s, t);
   for (int panel = 0; panel < s->nplots; panel++) {
     if (panel == s->nplots - across || (panel == 0 && s->nplots < across))
       gh_text_print(t, "set xlabel '%s' noenhanced\n", s->scene ? "t (load steps)" : "t (rows of the path)");

@@ -37,6 +37,8 @@ static void print_price(const gh_study *s, int k, gh_text *out) {
   study_counted counted = study_counts(s);
   bool ensemble = is_ensemble(s, k);
   gh_text_print(out, " (error%s %s", ensemble ? " of the mean" : "", study_error_word(row->l2[s->main]).text);
+  if (isfinite(row->chance[s->main]))
+    gh_text_print(out, " +- %s", study_error_word(row->chance[s->main]).text);
   if (ensemble) gh_text_print(out, ", of a single packing %s", study_error_word(row->single[s->main]).text);
   gh_text_print(out, "%s %s s of one core", ensemble ? "; for each packing" : ",",
                 study_seconds_word(row->core).text);
