@@ -28,7 +28,7 @@ const study_curve *study_first_curve(const study_setting *g) {
 
 study_sample study_members_at(const gh_study *s, const study_setting *g, double t, int column) {
   study_sample x = {0};
-  double squares = 0;
+  double squares = 0, first = 0; /* members that are equal have exactly that mean */
   for (int pass = 0; pass < 2; pass++) {
     int n = 0;
     for (int m = 0; m < g->nruns; m++) {
@@ -37,11 +37,12 @@ study_sample study_members_at(const gh_study *s, const study_setting *g, double 
       int row = study_curve_at(c, t);
       if (row < 0) return (study_sample){0};
       double v = c->value[(size_t)row * (size_t)s->ncolumns + (size_t)column];
-      if (pass == 0) x.mean += v;
+      if (n == 0) first = v;
+      if (pass == 0) x.mean += v - first;
       else squares += (v - x.mean) * (v - x.mean);
       n++;
     }
-    if (pass == 0 && n > 0) x.mean /= n;
+    if (pass == 0 && n > 0) x.mean = first + x.mean / n;
     x.n = n;
   }
   x.deviation = x.n > 1 ? sqrt(squares / (x.n - 1)) : 0;
@@ -66,14 +67,16 @@ static double value(const comparison *c, int member, int point, int column) {
 /* Over the members from `first` on; minus >= 0: of their differences from the members from there on. */
 static study_sample sample(const comparison *c, int first, int n, int minus, int point, int column) {
   study_sample x = {.n = n};
-  double squares = 0;
+  double squares = 0, origin = 0; /* members that are equal have exactly that mean */
   for (int pass = 0; pass < 2; pass++) {
     for (int m = 0; m < n; m++) {
       double v = value(c, first + m, point, column);
       if (minus >= 0) v -= value(c, minus + m, point, column);
-      if (pass == 0) x.mean += v / n;
+      if (m == 0) origin = v;
+      if (pass == 0) x.mean += v - origin;
       else squares += (v - x.mean) * (v - x.mean);
     }
+    if (pass == 0) x.mean = origin + x.mean / n;
   }
   x.deviation = n > 1 ? sqrt(squares / (n - 1)) : 0;
   return x;

@@ -1,5 +1,5 @@
 /* What the pictures of a study share. SPDX-License-Identifier: GPL-2.0-or-later */
-#include "study/judge.h"
+#include "study/draw.h"
 
 #include <stdlib.h>
 
@@ -18,8 +18,9 @@ void study_print_quoted(gh_text *out, const char *text) {
 
 /* ---- logarithmic axes ---- */
 
-static void print_mark(gh_text *out, int digit, int decade) {
-  if (decade >= -2 && decade <= 3) gh_text_print(out, "'%g' ", digit * pow(10, decade));
+/* Plain numbers where the whole axis can have them, else powers of ten. */
+static void print_mark(gh_text *out, int digit, int decade, bool plain) {
+  if (plain) gh_text_print(out, "'%g' ", digit * pow(10, decade));
   else if (digit == 1) gh_text_print(out, "'10^{%d}' ", decade);
   else
     gh_text_print(out,
@@ -34,16 +35,18 @@ static void print_marks(gh_text *out, char axis, const double range[2]) {
   int first = (int)floor(log10(range[0])), last = (int)ceil(log10(range[1]));
   double decades = log10(range[1] / range[0]);
   int step = decades > 9 ? (int)ceil(decades / 9) : 1;
+  bool plain = range[0] > 0.9e-3 && range[1] < 2e4;
   const char *comma = "";
   gh_text_print(out, "set %ctics (", axis);
   for (int d = first; d <= last; d++)
     for (int k = 1; k < 10; k++) {
       double v = k * pow(10, d);
       if (v < range[0] * (1 - 1e-9) || v > range[1] * (1 + 1e-9)) continue;
-      bool label = (k == 1 && d % step == 0) || (decades < 2.2 && (k == 2 || k == 5)) || decades < 0.6;
+      bool label = (k == 1 && d % step == 0) || (decades < 2.2 && (k == 2 || k == 5)) ||
+                   (decades < 0.9 && k != 7 && k != 9);
       if (!label && (step > 1 ? k > 1 : decades > 6)) continue;
       gh_text_print(out, "%s", comma);
-      if (label) print_mark(out, k, d);
+      if (label) print_mark(out, k, d, plain);
       else gh_text_print(out, "'' ");
       gh_text_print(out, "%.17g%s", v, label ? "" : " 1");
       comma = ", ";

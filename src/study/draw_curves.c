@@ -1,10 +1,10 @@
 /* Columns over t, one curve for each setting, with the scatter of the packings.
  * SPDX-License-Identifier: GPL-2.0-or-later */
-#include "study/judge.h"
+#include "study/draw.h"
 
 #include <string.h>
 
-enum { BARS = 15, NAME = 256, PANEL = 330, WIDTH = 1100, LEGEND_LINE = 22, CHARACTER = 8 };
+enum { BARS = 15, NAME = 256, PANEL = 330, WIDTH = 1100, LEGEND_LINE = 22, CHARACTER = 9 };
 
 /* ---- which curves ---- */
 
@@ -52,7 +52,7 @@ static look look_of(const gh_study *s, int setting, int number) {
   int groups, group = group_of(s, setting, &groups);
   if (count_curves(s) <= STUDY_COLOURS) return (look){number, 1, true};
   if (s->nknobs > 0 && s->knobs[s->series].nvalues <= STUDY_COLOURS && groups <= 4)
-    return (look){s->settings[setting].choice[s->series], group + 1, true};
+    return (look){s->settings[setting].choice[s->series], (const int[]){1, 2, 4, 3}[group], true};
   return (look){number, 1, number < STUDY_COLOURS};
 }
 
@@ -104,13 +104,35 @@ static void write_unit(const gh_study *s, const char *column, gh_text *t) {
   else if (strncmp(column, "force", 5) != 0 && *force && *length) gh_text_print(t, " (%s/%s)", force, length);
 }
 
-/* About BARS bars on each curve, each curve's a little further on so that they do not hide each other. */
-static void write_bars(const gh_study *s, int k, int number, int panel, look l, gh_text *t) {
-  int n = study_first_curve(s->settings + k)->n, every = n / BARS > 1 ? n / BARS : 1;
-  if (s->verdict->row[k].members < 2) return;
-  gh_text_print(t, ", $curve%d every %d::%d using 1:%d:%d with yerrorbars lc rgb '%s' lw 0.7 pt 0 notitle", k,
-                every, every > 1 ? number % every : 0, 2 + 2 * panel, 3 + 2 * panel,
-                s->settings[k].extra ? "#000000" : study_colour(l.colour));
+/* About BARS bars on each curve, each curve's a little beside the point where they belong so that they do not
+ * hide each other; before the lines, which lie on them. */
+static void write_bars(const gh_study *s, int panel, gh_text *t) {
+  int curves = count_curves(s), mean = 2 + 2 * panel, deviation = mean + 1;
+  for (int k = 0, number = 0; k < s->nsettings; k++) {
+    if (!drawn(s, k)) continue;
+    look l = look_of(s, k, number++);
+    const study_curve *c = study_first_curve(s->settings + k);
+    int every = c->n / BARS > 1 ? c->n / BARS : 1;
+    if (s->verdict->row[k].members < 2) continue;
+    double between = every * (c->t[c->n - 1] - c->t[0]) / fmax(c->n - 1, 1);
+    double beside = 0.7 * between * ((number - 0.5) / (curves + 1) - 0.5);
+    gh_text_print(t,
+                  "$curve%d every %d using ($1+%.17g):($%d-$%d):(0):(2*$%d) with vectors nohead lc rgb '%s' "
+                  "lw 0.8 notitle, ",
+                  k, every, beside, mean, deviation, deviation,
+                  s->settings[k].extra ? "#000000" : study_colour(l.colour));
+  }
+}
+
+/* The t of all curves. */
+static void write_range(const gh_study *s, gh_text *t) {
+  double low = INFINITY, high = -INFINITY;
+  for (int k = 0; k < s->nsettings; k++) {
+    if (!drawn(s, k)) continue;
+    const study_curve *c = study_first_curve(s->settings + k);
+    low = fmin(low, c->t[0]), high = fmax(high, c->t[c->n - 1]);
+  }
+  if (high > low) gh_text_print(t, "set xrange [%.17g:%.17g]\n", low, high);
 }
 
 static void write_panel(const gh_study *s, int panel, gh_text *t) {
@@ -119,6 +141,7 @@ static void write_panel(const gh_study *s, int panel, gh_text *t) {
   gh_text_print(t, "set ylabel \"%s", s->column[s->plots[panel]]);
   write_unit(s, s->column[s->plots[panel]], t);
   gh_text_print(t, "\" noenhanced\nplot ");
+  write_bars(s, panel, t);
   for (int k = 0, number = 0; k < s->nsettings; k++) {
     if (!drawn(s, k)) continue;
     bool extra = s->settings[k].extra;
@@ -128,7 +151,6 @@ static void write_panel(const gh_study *s, int panel, gh_text *t) {
     name_of(s, k, name);
     gh_text_print(t, " title ");
     study_print_quoted(t, panel == 0 && (extra || l.named) ? name : "");
-    write_bars(s, k, number, panel, l, t);
     number += !extra;
     comma = ", ";
   }
@@ -141,7 +163,7 @@ static void write_panel(const gh_study *s, int panel, gh_text *t) {
 }
 
 /* Columns and lines of the key below the panels. */
-static void size_key(const gh_study *s, int *columns, int *lines) {
+static void size_key(const gh_study *s, int *columns, int *lines, int *letters) {
   char name[NAME];
   int entries = has_given(s),
       longest = has_given(s) && s->reference_text ? (int)strlen(s->reference_text) : 9;
@@ -157,34 +179,39 @@ static void size_key(const gh_study *s, int *columns, int *lines) {
   *columns = (WIDTH - 60) / ((longest + 8) * CHARACTER);
   if (*columns < 1) *columns = 1;
   *lines = (entries + *columns - 1) / *columns;
+  *letters = longest;
 }
 
-static void write_layout(const gh_study *s, int across, int down, int columns, int lines, int height,
-                         gh_text *t) {
+static void write_layout(const gh_study *s, int across, int down, int columns, int lines, int letters,
+                         int height, gh_text *t) {
   double foot = LEGEND_LINE * lines + 70.0;
   gh_text_print(t, "set multiplot layout %d,%d margins %g,0.98,%.4f,%.4f spacing 0.11,%.4f title ", down,
-                across, across > 1 ? 0.08 : 0.1, foot / height, 1 - 50.0 / height, 70.0 / height);
+                across, across > 1 ? 0.08 : 0.1, foot / height, 1 - 50.0 / height, 45.0 / height);
   study_print_quoted(t, s->title ? s->title : "");
-  gh_text_print(t, " noenhanced\nset xlabel '%s' noenhanced\nset bars 0.4\nset autoscale xfix\n",
-                s->scene ? "t (load steps)" : "t (rows of the path)");
+  gh_text_print(t, " noenhanced\n");
   gh_text_print(t,
-                "set key at screen 0.5, screen %.4f center bottom horizontal maxcols %d Left reverse samplen "
-                "2.5 noenhanced\n",
-                6.0 / height, columns);
+                "set key at screen 0.5, screen %.4f center bottom horizontal maxcols %d width %d Left "
+                "reverse samplen 2.5 noenhanced\n",
+                6.0 / height, columns, -letters / 5);
 }
 
 gh_status study_draw_curves(const gh_study *s, const char *folder) {
   gh_text *t;
-  int columns, lines, across = s->nplots > 3 ? 2 : 1, down = (s->nplots + across - 1) / across;
+  int columns, lines, letters, across = s->nplots > 3 ? 2 : 1, down = (s->nplots + across - 1) / across;
   if (count_curves(s) == 0) return GH_OK;
-  size_key(s, &columns, &lines);
+  size_key(s, &columns, &lines, &letters);
   int height = 120 + LEGEND_LINE * lines + PANEL * down;
   GH_TRY(gh_text_create(s->ctx, &t));
   for (int k = 0; k < s->nsettings; k++)
     if (drawn(s, k)) write_curve(s, k, t);
   if (has_given(s)) write_given(s, t);
-  write_layout(s, across, down, columns, lines, height, t);
-  for (int panel = 0; panel < s->nplots; panel++) write_panel(s, panel, t);
+  write_layout(s, across, down, columns, lines, letters, height, t);
+  write_range(s, t);
+  for (int panel = 0; panel < s->nplots; panel++) {
+    if (panel == s->nplots - across || (panel == 0 && s->nplots < across))
+      gh_text_print(t, "set xlabel '%s' noenhanced\n", s->scene ? "t (load steps)" : "t (rows of the path)");
+    write_panel(s, panel, t);
+  }
   gh_text_print(t, "unset multiplot\n");
   gh_status status = study_picture(s, folder, "curves.png", WIDTH, height, t);
   gh_text_destroy(&t);

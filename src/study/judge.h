@@ -62,11 +62,11 @@ gh_status study_fit_orders(gh_study *s);
 typedef struct study_word {
   char text[48];
 } study_word;
-study_word study_error_word(double error);     /* "3.10e-3"; "-" for NAN */
+study_word study_error_word(double error);     /* "3.10e-3", "0.125"; "-" for NAN */
 study_word study_seconds_word(double seconds); /* "0.820", "1230" */
 study_word study_count_word(double count);     /* "1234", "1.20e6" */
 study_word study_goal_word(double goal);       /* "1 %", "1e-6" */
-study_word study_plain_word(double value);     /* three digits, short: "0.98" */
+study_word study_order_word(double order);     /* "1.98" */
 
 typedef enum study_style { STUDY_PLAIN, STUDY_MARKDOWN } study_style;
 /* Text as it is, or with a backslash before what Markdown would read as markup. */
@@ -88,28 +88,24 @@ void study_print_sentences(const gh_study *s, study_style style, const char *lea
 /* What was compared with what. */
 void study_print_subject(const gh_study *s, study_style style, gh_text *out);
 /* How the numbers of the table are to be read, and what the references cost. */
-void study_print_notes(const gh_study *s, study_style style, gh_text *out);
+void study_print_notes(const gh_study *s, gh_text *out);
 
-/* ---- rows.c ---- */
+/* ---- cells.c ---- */
+
+enum { STUDY_CELL = 512 };
+
+/* Cells are made twice, for the width of their column and to be printed. */
+typedef struct study_table {
+  const gh_study *s;
+  int rows, columns;
+  /* Text of a cell; row -1: of the head. Returns whether it stands on the right. */
+  bool (*cell)(const struct study_table *t, int row, int column, char text[STUDY_CELL]);
+} study_table;
+void study_print_table(const study_table *t, study_style style, gh_text *out);
+
+/* ---- rows.c, orders.c ---- */
 
 void study_print_rows(const gh_study *s, study_style style, gh_text *out);
 void study_print_orders(const gh_study *s, study_style style, gh_text *out);
-
-/* ---- draw_axis.c: what the pictures share ---- */
-
-enum { STUDY_COLOURS = 12 };
-const char *study_colour(int k); /* grey beyond STUDY_COLOURS */
-void study_print_quoted(gh_text *out, const char *text);
-/* A logarithmic axis ('x' or 'y') from low to high, a little wider, with marks that have labels also where it
- * is shorter than a decade. Returns the ends in range. */
-void study_log_axis(gh_text *out, char axis, double low, double high, double range[2]);
-/* Draws the commands into folder/name. */
-gh_status study_picture(const gh_study *s, const char *folder, const char *name, int width, int height,
-                        gh_text *commands);
-/* Where errors that are exactly zero are drawn: a tenth of the smallest other one, or 1e-16. */
-double study_zero_floor(const gh_study *s, bool *zeros);
-gh_status study_draw_precision(const gh_study *s, const char *folder);
-gh_status study_draw_order(const gh_study *s, const char *folder);
-gh_status study_draw_curves(const gh_study *s, const char *folder);
 
 #endif

@@ -1,72 +1,7 @@
-/* The tables that people read: settings, and orders of convergence. SPDX-License-Identifier: GPL-2.0-or-later
- * Cells are made twice, for the width of their column and to be printed. */
+/* The table of settings that people read. SPDX-License-Identifier: GPL-2.0-or-later */
 #include "study/judge.h"
 
 #include <string.h>
-
-enum { CELL = 512 };
-
-/* ---- tables of cells ---- */
-
-typedef struct table {
-  const gh_study *s;
-  int rows, columns;
-  /* Text of a cell; row -1: of the head. Returns whether it stands on the right. */
-  bool (*cell)(const struct table *t, int row, int column, char text[CELL]);
-} table;
-
-/* Characters, not bytes, of UTF-8. */
-static int width_of(const char *text) {
-  int n = 0;
-  for (; *text; text++) n += ((unsigned char)*text & 0xc0) != 0x80;
-  return n;
-}
-
-static int column_width(const table *t, int column) {
-  char text[CELL];
-  int width = 0;
-  for (int row = -1; row < t->rows; row++) {
-    t->cell(t, row, column, text);
-    if (width_of(text) > width) width = width_of(text);
-  }
-  return width;
-}
-
-static void print_plain(const table *t, gh_text *out) {
-  char text[CELL];
-  for (int row = -1; row < t->rows; row++) {
-    for (int c = 0; c < t->columns; c++) {
-      bool right = t->cell(t, row, c, text);
-      int pad = column_width(t, c) - width_of(text);
-      if (c > 0) gh_text_print(out, "  ");
-      if (right) gh_text_print(out, "%*s%s", pad, "", text);
-      else gh_text_print(out, c + 1 < t->columns ? "%s%*s" : "%s", text, pad, "");
-    }
-    gh_text_print(out, "\n");
-  }
-}
-
-static void print_markdown(const table *t, gh_text *out) {
-  char text[CELL];
-  for (int row = -1; row < t->rows; row++) {
-    for (int c = 0; c < t->columns; c++) {
-      t->cell(t, row, c, text);
-      gh_text_print(out, "| ");
-      study_print_escaped(out, STUDY_MARKDOWN, text);
-      gh_text_print(out, " ");
-    }
-    gh_text_print(out, "|\n");
-    for (int c = 0; c < t->columns && row < 0; c++)
-      gh_text_print(out, t->cell(t, row, c, text) ? "| ---: " : "| --- ");
-    if (row < 0) gh_text_print(out, "|\n");
-  }
-}
-
-static void print_table(const table *t, study_style style, gh_text *out) {
-  (style == STUDY_MARKDOWN ? print_markdown : print_plain)(t, out);
-}
-
-/* ---- settings ---- */
 
 typedef enum kind {
   KNOB,
@@ -124,40 +59,40 @@ static int note_of(const gh_study *s, int setting) {
   return n;
 }
 
-static void head(const gh_study *s, kind what, int index, char text[CELL]) {
+static void head(const gh_study *s, kind what, int index, char text[STUDY_CELL]) {
   switch (what) {
   case KNOB:
-    snprintf(text, CELL, "%s", s->knobs[index].name);
+    snprintf(text, STUDY_CELL, "%s", s->knobs[index].name);
     break;
   case ERROR:
-    snprintf(text, CELL, "error of the %s", s->quantities[s->main].name);
+    snprintf(text, STUDY_CELL, "error of the %s", s->quantities[s->main].name);
     break;
   case CHANCE:
-    snprintf(text, CELL, "+- 95 %%");
+    snprintf(text, STUDY_CELL, "+- 95 %%");
     break;
   case SINGLE:
-    snprintf(text, CELL, "single packing");
+    snprintf(text, STUDY_CELL, "single packing");
     break;
   case LARGEST:
-    snprintf(text, CELL, "largest");
+    snprintf(text, STUDY_CELL, "largest");
     break;
   case OTHER:
-    snprintf(text, CELL, "%s", s->quantities[index].name);
+    snprintf(text, STUDY_CELL, "%s", s->quantities[index].name);
     break;
   case PACKINGS:
-    snprintf(text, CELL, "packings");
+    snprintf(text, STUDY_CELL, "packings");
     break;
   case CORE:
-    snprintf(text, CELL, "seconds");
+    snprintf(text, STUDY_CELL, "seconds");
     break;
   case COUNT:
-    snprintf(text, CELL, "%s", study_count_name(study_counts(s)));
+    snprintf(text, STUDY_CELL, "%s", study_count_name(study_counts(s)));
     break;
   case ORDER:
-    snprintf(text, CELL, "order");
+    snprintf(text, STUDY_CELL, "order");
     break;
   case FRONT:
-    snprintf(text, CELL, "front");
+    snprintf(text, STUDY_CELL, "front");
     break;
   case NO_KIND:
     *text = 0;
@@ -165,7 +100,7 @@ static void head(const gh_study *s, kind what, int index, char text[CELL]) {
   }
 }
 
-static void error_cell(const gh_study *s, int k, char text[CELL]) {
+static void error_cell(const gh_study *s, int k, char text[STUDY_CELL]) {
   const study_judged *row = s->verdict->row + k;
   const char *word = study_is_reference(s, k) ? "reference" : NULL;
   if (row->members == 0) {
@@ -175,30 +110,30 @@ static void error_cell(const gh_study *s, int k, char text[CELL]) {
   }
   study_word number = study_error_word(row->l2[s->main]);
   int note = note_of(s, k);
-  snprintf(text, CELL, "%s", word ? word : number.text);
+  snprintf(text, STUDY_CELL, "%s", word ? word : number.text);
   size_t n = strlen(text);
-  if (note) snprintf(text + n, CELL - n, " [%d]", note);
+  if (note) snprintf(text + n, STUDY_CELL - n, " [%d]", note);
 }
 
 static const char *front_word(const study_judged *row) {
   return row->pareto ? (row->pareto_count ? "both" : "time") : row->pareto_count ? "work" : "";
 }
 
-static void cell(const gh_study *s, kind what, int index, int k, char text[CELL]) {
+static void cell(const gh_study *s, kind what, int index, int k, char text[STUDY_CELL]) {
   const study_judged *row = s->verdict->row + k;
   study_word w = {""};
   switch (what) {
   case KNOB:
-    snprintf(text, CELL, "%s", s->settings[k].value[index]);
+    snprintf(text, STUDY_CELL, "%s", s->settings[k].value[index]);
     return;
   case ERROR:
     error_cell(s, k, text);
     return;
   case PACKINGS:
-    snprintf(text, CELL, "%d of %d", row->members, s->settings[k].nruns);
+    snprintf(text, STUDY_CELL, "%d of %d", row->members, s->settings[k].nruns);
     return;
   case FRONT:
-    snprintf(text, CELL, "%s", front_word(row));
+    snprintf(text, STUDY_CELL, "%s", front_word(row));
     return;
   case CHANCE:
     w = study_error_word(row->chance[s->main]);
@@ -219,15 +154,15 @@ static void cell(const gh_study *s, kind what, int index, int k, char text[CELL]
     w = study_count_word(row->members ? study_count_of(s, k) : NAN);
     break;
   case ORDER:
-    w = study_plain_word(row->order);
+    w = study_order_word(row->order);
     break;
   case NO_KIND:
     break;
   }
-  snprintf(text, CELL, "%s", w.text);
+  snprintf(text, STUDY_CELL, "%s", w.text);
 }
 
-static bool setting_cell(const table *t, int row, int column, char text[CELL]) {
+static bool setting_cell(const study_table *t, int row, int column, char text[STUDY_CELL]) {
   int index = 0;
   kind what = column_kind(t->s, column, &index);
   if (row < 0) head(t->s, what, index, text);
@@ -258,7 +193,7 @@ static void print_failure(const gh_study *s, int k, study_style style, gh_text *
 }
 
 static void print_foot(const gh_study *s, int k, study_style style, gh_text *out) {
-  char name[CELL];
+  char name[STUDY_CELL];
   const study_judged *row = s->verdict->row + k;
   study_name(s, k, -1, name, sizeof name);
   gh_text_print(out, "%s[%d] ", style == STUDY_MARKDOWN ? "- " : "", note_of(s, k));
@@ -270,85 +205,15 @@ static void print_foot(const gh_study *s, int k, study_style style, gh_text *out
 }
 
 void study_print_rows(const gh_study *s, study_style style, gh_text *out) {
-  table t = {.s = s, .cell = setting_cell};
+  study_table t = {.s = s, .cell = setting_cell};
   int index, notes = 0;
   while (setting_of(s, t.rows) >= 0) t.rows++;
   while (column_kind(s, t.columns, &index) != NO_KIND) t.columns++;
-  print_table(&t, style, out);
+  study_print_table(&t, style, out);
   for (int row = 0; row < t.rows; row++) {
     int k = setting_of(s, row);
     if (!note_of(s, k)) continue;
     if (notes++ == 0) gh_text_print(out, "\n");
     print_foot(s, k, style, out);
   }
-}
-
-/* ---- orders ---- */
-
-/* Columns: the other knobs that are varied, the order, from, to, remark. */
-static int other_knobs(const gh_study *s, int *knob, int wanted) {
-  int n = 0;
-  for (int k = 0; k < s->nknobs; k++) {
-    if (k == s->order || s->knobs[k].nvalues < 2) continue;
-    if (n++ == wanted) *knob = k;
-  }
-  return n;
-}
-
-static void remark(const gh_study *s, const struct study_fit *f, char text[CELL]) {
-  char **value = s->knobs[s->order].value;
-  *text = 0;
-  if (!f->monotone)
-    snprintf(text, CELL, "not monotone: the error does not fall from %s to %s", value[f->up_from],
-             value[f->up_to]);
-  else if (isnan(f->order)) snprintf(text, CELL, "too few values for a fit");
-}
-
-static bool order_cell(const table *t, int row, int column, char text[CELL]) {
-  static const char *const heads[] = {"order", "from", "to", ""};
-  const gh_study *s = t->s;
-  const struct study_fit *f = row < 0 ? NULL : s->verdict->fits + row;
-  int knob = 0, others = other_knobs(s, &knob, column), what = column - others;
-  *text = 0;
-  if (what < 0) snprintf(text, CELL, "%s", f ? s->settings[f->first].value[knob] : s->knobs[knob].name);
-  else if (!f && what == 0) snprintf(text, CELL, "order in %s", s->knobs[s->order].name);
-  else if (!f) snprintf(text, CELL, "%s", heads[what]);
-  else if (what == 0) snprintf(text, CELL, "%s", study_plain_word(f->order).text);
-  else if (what == 3) remark(s, f, text);
-  else {
-    int choice = what == 1 ? f->from : f->to;
-    snprintf(text, CELL, "%s", choice < 0 ? "-" : s->knobs[s->order].value[choice]);
-  }
-  return what >= 0 && what < 3;
-}
-
-/* The value next to the reference shares much of its error. */
-static bool near_reference(const gh_study *s) {
-  for (int k = 0; k < s->nsettings; k++) {
-    double here, there;
-    int r = s->settings[k].reference;
-    if (!study_is_rated(s, k) || r < 0) continue;
-    if (!gh_parse_number(s->settings[k].value[s->order], &here) ||
-        !gh_parse_number(s->settings[r].value[s->order], &there))
-      continue;
-    double ratio = s->verdict->grows ? there / here : here / there;
-    if (ratio > 1 && ratio < 4) return true;
-  }
-  return false;
-}
-
-void study_print_orders(const gh_study *s, study_style style, gh_text *out) {
-  int knob = 0;
-  table t = {.s = s, .cell = order_cell, .rows = s->verdict->nfits};
-  if (s->order < 0 || t.rows == 0) return;
-  t.columns = other_knobs(s, &knob, -1) + 4;
-  print_table(&t, style, out);
-  gh_text_print(out,
-                "\nOrders are slopes of log error over log %s, fitted where the error falls and is ten "
-                "times above its floor; in the table above between one value and the one before.",
-                s->knobs[s->order].name);
-  if (near_reference(s))
-    gh_text_print(out, " The finest values are less than four times coarser than the reference, which makes "
-                       "their errors too small and the last orders too large.");
-  gh_text_print(out, "\n");
 }

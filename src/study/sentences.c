@@ -37,6 +37,8 @@ static void print_price(const gh_study *s, int k, gh_text *out) {
   study_counted counted = study_counts(s);
   bool ensemble = is_ensemble(s, k);
   gh_text_print(out, " (error%s %s", ensemble ? " of the mean" : "", study_error_word(row->l2[s->main]).text);
+  if (isfinite(row->chance[s->main]))
+    gh_text_print(out, " +- %s", study_error_word(row->chance[s->main]).text);
   if (ensemble) gh_text_print(out, ", of a single packing %s", study_error_word(row->single[s->main]).text);
   gh_text_print(out, "%s %s s of one core", ensemble ? "; for each packing" : ",",
                 study_seconds_word(row->core).text);
@@ -51,30 +53,32 @@ static void print_doubt(const gh_study *s, int k, double goal, gh_text *out) {
   const study_judged *row = s->verdict->row + k;
   double error = row->l2[s->main], chance = row->chance[s->main];
   if (!(chance > error)) return;
-  gh_text_print(
-      out,
-      " With %d packings this difference can't be told from chance: the 95 %% interval is %s wide on "
-      "either side",
-      row->members, study_error_word(chance).text);
+  gh_text_print(out, " With %d packings this difference can't be told from chance", row->members);
   if (error <= goal && error + chance > goal) gh_text_print(out, ", so whether the goal is met remains open");
   gh_text_print(out, ".");
 }
 
-static void print_goal(const gh_study *s, double goal, study_style style, gh_text *out) {
+static void print_choice(const gh_study *s, int k, double goal, study_style style, gh_text *out) {
   char name[NAME];
-  const char *what = s->quantities[s->main].name;
-  int k = cheapest(s, goal);
-  bool reached = k >= 0;
-  if (!reached) k = nearest(s);
   study_name(s, k, -1, name, sizeof name);
-  if (reached) gh_text_print(out, "For %s of the %s: ", study_goal_word(goal).text, what);
-  else
-    gh_text_print(out, "No setting reaches %s of the %s; the nearest is ", study_goal_word(goal).text, what);
   study_print_escaped(out, style, name);
   print_price(s, k, out);
   gh_text_print(out, ".");
-  print_doubt(s, k, reached ? goal : 0, out);
+  print_doubt(s, k, goal, out);
   gh_text_print(out, "\n");
+}
+
+/* The goals are descending, so those that nothing reaches are the last ones: one sentence names them all. */
+static void print_unreached(const gh_study *s, int first, study_style style, gh_text *out) {
+  gh_text_print(out, "No setting reaches");
+  for (int k = first; k < s->ngoals; k++)
+    gh_text_print(out, "%s %s",
+                  k == first          ? ""
+                  : k + 1 < s->ngoals ? ","
+                                      : " or",
+                  study_goal_word(s->goals[k]).text);
+  gh_text_print(out, " of the %s; the nearest is ", s->quantities[s->main].name);
+  print_choice(s, nearest(s), 0, style, out);
 }
 
 void study_print_sentences(const gh_study *s, study_style style, const char *lead, gh_text *out) {
@@ -86,8 +90,14 @@ void study_print_sentences(const gh_study *s, study_style style, const char *lea
     return;
   }
   for (int k = 0; k < s->ngoals; k++) {
+    int best = cheapest(s, s->goals[k]);
     gh_text_print(out, "%s", lead);
-    print_goal(s, s->goals[k], style, out);
+    if (best < 0) {
+      print_unreached(s, k, style, out);
+      return;
+    }
+    gh_text_print(out, "For %s of the %s: ", study_goal_word(s->goals[k]).text, s->quantities[s->main].name);
+    print_choice(s, best, s->goals[k], style, out);
   }
 }
 
@@ -143,15 +153,15 @@ static bool any_zero(const gh_study *s) {
   return false;
 }
 
-void study_print_notes(const gh_study *s, study_style style, gh_text *out) {
-  (void)style;
-  gh_text_print(
-      out,
-      "Errors are relative: the l2 norm of the difference over that of the reference, over the values "
-      "of t that both have; largest: the largest difference over the largest value. Seconds are those "
-      "of one core. Front: nothing else is at least as accurate and cheaper, in time, in work (%s), or in "
-      "both.",
-      study_count_name(study_counts(s)));
+void study_print_notes(const gh_study *s, gh_text *out) {
+  study_counted counted = study_counts(s);
+  gh_text_print(out,
+                "Errors are relative: the l2 norm of the difference over that of the reference, over the "
+                "values of t that both have; largest: the largest difference over the largest value. Seconds "
+                "are those of one core. Front: nothing else is at least as accurate and cheaper");
+  if (counted != STUDY_NOTHING)
+    gh_text_print(out, ", in time, in work (%s), or in both", study_count_name(counted));
+  gh_text_print(out, ".");
   note_references(s, out);
   if (study_has_ensembles(s))
     gh_text_print(out,

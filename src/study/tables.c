@@ -105,7 +105,7 @@ void study_write_markdown(const gh_study *s, gh_text *out) {
   gh_text_print(out, "\n");
   study_print_rows(s, STUDY_MARKDOWN, out);
   gh_text_print(out, "\n");
-  study_print_notes(s, STUDY_MARKDOWN, out);
+  study_print_notes(s, out);
   if (s->order < 0 || s->verdict->nfits == 0) return;
   gh_text_print(out, "\n");
   study_print_orders(s, STUDY_MARKDOWN, out);
@@ -120,7 +120,7 @@ void gh_study_print(const gh_study *s, gh_text *out) {
   gh_text_print(out, "\n");
   study_print_rows(s, STUDY_PLAIN, out);
   gh_text_print(out, "\n");
-  study_print_notes(s, STUDY_PLAIN, out);
+  study_print_notes(s, out);
   if (s->order < 0 || s->verdict->nfits == 0) return;
   gh_text_print(out, "\n");
   study_print_orders(s, STUDY_PLAIN, out);

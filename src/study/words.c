@@ -23,17 +23,14 @@ static study_word word(const char *format, double value) {
   study_word w = {"-"};
   if (isnan(value)) return w;
   gh_c_locale l = gh_c_locale_begin();
-#pragma GCC diagnostic push
-#pragma GCC diagnostic ignored "-Wformat-nonliteral"
   snprintf(w.text, sizeof w.text, format, value);
-#pragma GCC diagnostic pop
   gh_c_locale_end(l);
   tidy(w.text);
   return w;
 }
 
 study_word study_error_word(double error) {
-  return word(error == 0 ? "%.0f" : "%.2e", error);
+  return word(error == 0 ? "%.0f" : error < 0.1 || error >= 1000 ? "%.2e" : "%#.3g", error);
 }
 
 study_word study_seconds_word(double seconds) {
@@ -44,8 +41,8 @@ study_word study_count_word(double count) {
   return word(count < 1e4 ? "%.4g" : "%.2e", count);
 }
 
-study_word study_plain_word(double value) {
-  return word(fabs(value) >= 1000 ? "%.2e" : "%.3g", value);
+study_word study_order_word(double order) {
+  return word("%.2f", order);
 }
 
 study_word study_goal_word(double goal) {
@@ -56,7 +53,8 @@ study_word study_goal_word(double goal) {
 
 void study_print_escaped(gh_text *out, study_style style, const char *text) {
   for (; *text; text++)
-    gh_text_print(out, style == STUDY_MARKDOWN && strchr("*|<`\\", *text) ? "\\%c" : "%c", *text);
+    gh_text_print(out, style == STUDY_MARKDOWN && strchr("*|<`\\", *text) ? "\\%c" : "%c",
+                  *text == '\n' ? ' ' : *text);
 }
 
 __attribute__((format(printf, 3, 4))) static void append(char *text, size_t size, const char *format, ...) {
