@@ -104,6 +104,7 @@ static gh_status walk_path(study_problem *p, const study_stop *stop, study_run *
   gh_status status = rows(&w);
   gh_rve_costs(w.rve, &cost);
   run->force_evaluations = cost.steps;
+  run->pair_evaluations = cost.pairs;
   run->factorisations = cost.factorisations;
   run->evaluations = cost.evaluations;
   gh_rve_destroy(&w.rve);

@@ -71,6 +71,7 @@ gh_status study_scene_run(study_problem *p, const study_stop *stop, study_run *r
                             .observe_data = &b};
   gh_status status = gh_scene_run(p->scene, NULL, &options, &sum);
   run->force_evaluations = sum.cost.steps;
+  run->pair_evaluations = sum.cost.pairs;
   run->factorisations = sum.cost.factorisations;
   run->evaluations = sum.cost.evaluations;
   run->iterations = sum.iterations;
