@@ -16,7 +16,7 @@ void study_log_axis(gh_text *out, char axis, double low, double high, double ran
 gh_status study_picture(const gh_study *s, const char *folder, const char *name, int width, int height,
                         gh_text *commands);
 /* Where errors that are exactly zero are drawn: a tenth of the smallest other one, or 1e-16. */
-double study_zero_floor(const gh_study *s, bool *zeros);
+double study_zero_floor(const gh_study *s);
 gh_status study_draw_precision(const gh_study *s, const char *folder);
 gh_status study_draw_order(const gh_study *s, const char *folder);
 gh_status study_draw_curves(const gh_study *s, const char *folder);
@@ -31,11 +31,11 @@ typedef enum study_over { OVER_CORE, OVER_COUNT, OVER_KNOB } study_over;
 typedef struct study_plot {
   const gh_study *s;
   study_over over;
-  int knob;     /* its values are the points of one curve */
-  double floor; /* where zeros are drawn */
-  bool zeros, bars;
-  double x[2], y[2]; /* ends of the points */
-  double bar_end;    /* of the highest bar */
+  int knob;                /* its values are the points of one curve */
+  double floor;            /* where zeros are drawn */
+  bool zeros, bars, front; /* there are some */
+  double x[2], y[2];       /* ends of the points */
+  double bar_end;          /* of the highest bar */
   double x_axis[2], y_axis[2];
   int points, curves;
 } study_plot;

@@ -73,13 +73,10 @@ gh_status study_picture(const gh_study *s, const char *folder, const char *name,
   return status;
 }
 
-double study_zero_floor(const gh_study *s, bool *zeros) {
+double study_zero_floor(const gh_study *s) {
   double smallest = INFINITY;
-  *zeros = false;
   for (int k = 0; k < s->nsettings; k++) {
-    if (!study_is_rated(s, k)) continue;
-    if (study_error_of(s, k) > 0) smallest = fmin(smallest, study_error_of(s, k));
-    else *zeros = true;
+    if (study_is_rated(s, k) && study_error_of(s, k) > 0) smallest = fmin(smallest, study_error_of(s, k));
   }
   return isfinite(smallest) ? smallest / 10 : 1e-16;
 }

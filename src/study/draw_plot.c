@@ -24,14 +24,21 @@ bool study_plot_begins_curve(const study_plot *p, int k) {
   return true;
 }
 
+static bool on_front(const study_plot *p, int k) {
+  const study_judged *row = p->s->verdict->row + k;
+  return study_plot_drawn(p, k) && (p->over == OVER_CORE ? row->pareto : row->pareto_count);
+}
+
 void study_plot_measure(study_plot *p) {
   p->x[0] = p->y[0] = INFINITY, p->x[1] = p->y[1] = 0;
   p->points = p->curves = 0;
-  p->floor = study_zero_floor(p->s, &p->zeros);
+  p->floor = study_zero_floor(p->s);
   for (int k = 0; k < p->s->nsettings; k++) {
     if (!study_plot_drawn(p, k)) continue;
     p->points++;
     p->curves += study_plot_begins_curve(p, k);
+    p->front = p->front || on_front(p, k);
+    p->zeros = p->zeros || study_error_of(p->s, k) == 0;
     p->bars = p->bars || p->s->verdict->row[k].chance[p->s->main] > 0;
     p->x[0] = fmin(p->x[0], study_plot_x_of(p, k)), p->x[1] = fmax(p->x[1], study_plot_x_of(p, k));
     p->y[0] = fmin(p->y[0], study_plot_y_of(p, k)), p->y[1] = fmax(p->y[1], study_plot_y_of(p, k));
@@ -67,24 +74,22 @@ static void write_zeros(const study_plot *p, gh_text *t) {
   gh_text_print(t, "EOD\n");
 }
 
-static bool on_front(const study_plot *p, int k) {
-  const study_judged *row = p->s->verdict->row + k;
-  return study_plot_drawn(p, k) && (p->over == OVER_CORE ? row->pareto : row->pareto_count);
-}
-
-/* By growing cost. */
+/* By growing cost; a line for each reference. */
 static void write_front(const study_plot *p, gh_text *t) {
-  int last = -1;
+  const gh_study *s = p->s;
   gh_text_print(t, "$front << EOD\n");
-  for (;;) {
-    int next = -1;
-    for (int k = 0; k < p->s->nsettings; k++) {
-      if (!on_front(p, k) || (last >= 0 && study_plot_x_of(p, k) <= study_plot_x_of(p, last))) continue;
-      if (next < 0 || study_plot_x_of(p, k) < study_plot_x_of(p, next)) next = k;
+  for (int first = 0; first < s->nsettings; first++) {
+    if (!study_first_of_reference(s, first)) continue;
+    for (int next = first, last = -1; next >= 0; last = next) {
+      next = -1;
+      for (int k = first; k < s->nsettings; k++) {
+        if (!on_front(p, k) || s->settings[k].reference != s->settings[first].reference) continue;
+        if (last >= 0 && study_plot_x_of(p, k) <= study_plot_x_of(p, last)) continue;
+        if (next < 0 || study_plot_x_of(p, k) < study_plot_x_of(p, next)) next = k;
+      }
+      if (next >= 0) write_point(p, next, t);
     }
-    if (next < 0) break;
-    write_point(p, next, t);
-    last = next;
+    gh_text_print(t, "\n");
   }
   gh_text_print(t, "EOD\n");
 }

@@ -13,9 +13,10 @@ static gh_status draw_over(const gh_study *s, const char *folder, study_over ove
   gh_status status = study_plot_labels(&p, t);
   gh_text_print(t, "plot ");
   study_plot_curves(&p, t);
-  gh_text_print(t,
-                ", $front using 1:2 with steps lc rgb '#555555' lw 0.7 notitle, $front using 1:2 with points "
-                "lc rgb '#222222' lw 0.8 pt 6 ps 2.2 title 'Pareto front'");
+  if (p.front)
+    gh_text_print(
+        t, ", $front using 1:2 with steps lc rgb '#555555' lw 0.7 notitle, $front using 1:2 with points "
+           "lc rgb '#222222' lw 0.8 pt 6 ps 2.2 title 'Pareto front'");
   if (s->nknobs > 0) {
     gh_text_print(t, ", NaN with points lc rgb '#ffffff' pt 0 title ");
     char text[STUDY_NAME];
@@ -34,6 +35,9 @@ gh_status study_draw_precision(const gh_study *s, const char *folder) {
   snprintf(label, sizeof label, "seconds of one core%s", each);
   GH_TRY(draw_over(s, folder, OVER_CORE, label, "work-precision.png"));
   if (study_counts(s) == STUDY_NOTHING) return GH_OK;
-  snprintf(label, sizeof label, "%s%s", study_count_name(study_counts(s)), each);
+  bool none = false; /* zero has no place on the axis */
+  for (int k = 0; k < s->nsettings; k++) none = none || (study_is_rated(s, k) && study_count_of(s, k) == 0);
+  snprintf(label, sizeof label, "%s%s%s", study_count_name(study_counts(s)), each,
+           none ? " (settings without any are not shown)" : "");
   return draw_over(s, folder, OVER_COUNT, label, "work-precision-count.png");
 }

@@ -20,6 +20,12 @@ bool study_is_rated(const gh_study *s, int setting) {
   return !study_is_reference(s, setting) && isfinite(study_error_of(s, setting));
 }
 
+bool study_first_of_reference(const gh_study *s, int setting) {
+  for (int k = 0; k < setting; k++)
+    if (study_is_rated(s, k) && s->settings[k].reference == s->settings[setting].reference) return false;
+  return study_is_rated(s, setting);
+}
+
 bool study_alike(const gh_study *s, int a, int b, int except) {
   for (int k = 0; k < s->nknobs; k++)
     if (k != except && s->settings[a].choice[k] != s->settings[b].choice[k]) return false;
@@ -92,7 +98,8 @@ static void judge_costs(const study_setting *g, study_judged *row) {
 
 /* ---- fronts ---- */
 
-static gh_status mark_front(gh_study *s, bool by_count) {
+/* Among the settings that have the same reference, and so answer the same question. */
+static gh_status mark_front(gh_study *s, int reference, bool by_count) {
   int n = 0, count, *index = NULL, *order = NULL;
   double *cost = NULL, *error = NULL;
   bool *front = NULL;
@@ -104,7 +111,7 @@ static gh_status mark_front(gh_study *s, bool by_count) {
   GH_TRY_OR(gh_alloc(s->ctx, most, sizeof *error, &error), end);
   GH_TRY_OR(gh_alloc(s->ctx, most, sizeof *front, &front), end);
   for (int k = 0; k < s->nsettings; k++) {
-    if (!study_is_rated(s, k)) continue;
+    if (!study_is_rated(s, k) || s->settings[k].reference != reference) continue;
     index[n] = k;
     cost[n] = by_count ? study_count_of(s, k) : s->verdict->row[k].core;
     error[n++] = study_error_of(s, k);
@@ -142,8 +149,11 @@ gh_status study_judge(gh_study *s) {
   GH_TRY(gh_alloc(s->ctx, 1, sizeof *s->verdict, &s->verdict));
   GH_TRY(gh_alloc(s->ctx, (size_t)s->nsettings, sizeof *s->verdict->row, &s->verdict->row));
   for (int k = 0; k < s->nsettings; k++) GH_TRY(judge_row(s, k));
-  GH_TRY(mark_front(s, false));
-  if (study_counts(s) != STUDY_NOTHING) GH_TRY(mark_front(s, true));
+  for (int k = 0; k < s->nsettings; k++) {
+    if (!study_first_of_reference(s, k)) continue;
+    GH_TRY(mark_front(s, s->settings[k].reference, false));
+    if (study_counts(s) != STUDY_NOTHING) GH_TRY(mark_front(s, s->settings[k].reference, true));
+  }
   return s->order >= 0 ? study_fit_orders(s) : GH_OK;
 }
 

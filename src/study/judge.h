@@ -30,6 +30,8 @@ bool study_is_reference(const gh_study *s, int setting);
 /* A row that takes part in fronts, sentences and pictures: no extra, no reference, its main error is known.
  */
 bool study_is_rated(const gh_study *s, int setting);
+/* It is rated, and none before it is that has the same reference. */
+bool study_first_of_reference(const gh_study *s, int setting);
 double study_error_of(const gh_study *s, int setting); /* l2 of the main quantity */
 
 /* What counts as work on every machine: pair evaluations, or factorisations where no run counts those. */

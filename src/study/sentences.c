@@ -3,25 +3,30 @@
 
 #include <string.h>
 
-enum { NAME = 512 };
+enum { NAME = 512, FEW_REFERENCES = 6, ANY = -2 };
 
 /* ---- which setting ---- */
 
-/* The cheapest in core seconds whose error is at most the goal, of two the more accurate; -1: none. */
-static int cheapest(const gh_study *s, double goal) {
+static bool competes(const gh_study *s, int k, int reference) {
+  return study_is_rated(s, k) && (reference == ANY || s->settings[k].reference == reference);
+}
+
+/* The cheapest in core seconds whose error is at most the goal, of two the more accurate; -1: none. Of those
+ * with this reference, or ANY. */
+static int cheapest(const gh_study *s, int reference, double goal) {
   int best = -1;
   for (int k = 0; k < s->nsettings; k++) {
-    if (!study_is_rated(s, k) || study_error_of(s, k) > goal) continue;
+    if (!competes(s, k, reference) || study_error_of(s, k) > goal) continue;
     double core = s->verdict->row[k].core, least = best < 0 ? INFINITY : s->verdict->row[best].core;
     if (core < least || (core == least && study_error_of(s, k) < study_error_of(s, best))) best = k;
   }
   return best;
 }
 
-static int nearest(const gh_study *s) {
+static int nearest(const gh_study *s, int reference) {
   int best = -1;
   for (int k = 0; k < s->nsettings; k++)
-    if (study_is_rated(s, k) && (best < 0 || study_error_of(s, k) < study_error_of(s, best))) best = k;
+    if (competes(s, k, reference) && (best < 0 || study_error_of(s, k) < study_error_of(s, best))) best = k;
   return best;
 }
 
@@ -42,7 +47,7 @@ static void print_price(const gh_study *s, int k, gh_text *out) {
   if (ensemble) gh_text_print(out, ", of a single packing %s", study_error_word(row->single[s->main]).text);
   gh_text_print(out, "%s %s s of one core", ensemble ? "; for each packing" : ",",
                 study_seconds_word(row->core).text);
-  if (counted != STUDY_NOTHING)
+  if (counted != STUDY_NOTHING && study_count_of(s, k) > 0)
     gh_text_print(out, "%s %s %s", ensemble ? " and" : ",", study_count_word(study_count_of(s, k)).text,
                   study_count_name(counted));
   gh_text_print(out, ")");
@@ -69,7 +74,7 @@ static void print_choice(const gh_study *s, int k, double goal, study_style styl
 }
 
 /* The goals are descending, so those that nothing reaches are the last ones: one sentence names them all. */
-static void print_unreached(const gh_study *s, int first, study_style style, gh_text *out) {
+static void print_unreached(const gh_study *s, int reference, int first, study_style style, gh_text *out) {
   gh_text_print(out, "No setting reaches");
   for (int k = first; k < s->ngoals; k++)
     gh_text_print(out, "%s %s",
@@ -78,27 +83,37 @@ static void print_unreached(const gh_study *s, int first, study_style style, gh_
                                       : " or",
                   study_goal_word(s->goals[k]).text);
   gh_text_print(out, " of the %s; the nearest is ", s->quantities[s->main].name);
-  print_choice(s, nearest(s), 0, style, out);
+  print_choice(s, nearest(s, reference), 0, style, out);
 }
 
+static void print_goals(const gh_study *s, int reference, study_style style, const char *lead, gh_text *out) {
+  for (int k = 0; k < s->ngoals; k++) {
+    int best = cheapest(s, reference, s->goals[k]);
+    gh_text_print(out, "%s", lead);
+    if (best < 0) {
+      print_unreached(s, reference, k, style, out);
+      return;
+    }
+    gh_text_print(out, "For %s of the %s: ", study_goal_word(s->goals[k]).text, s->quantities[s->main].name);
+    print_choice(s, best, s->goals[k], style, out);
+  }
+}
+
+/* Settings with references of their own answer different questions: each gets its sentences, as long as these
+ * are few. */
 void study_print_sentences(const gh_study *s, study_style style, const char *lead, gh_text *out) {
-  if (nearest(s) < 0) {
+  if (nearest(s, ANY) < 0) {
     const char *why = NULL;
     for (int k = 0; k < s->nsettings && !why; k++) why = s->verdict->row[k].why;
     gh_text_print(out, "%sNo setting could be compared with the reference%s%s.\n", lead, why ? ": " : "",
                   why ? why : "");
     return;
   }
-  for (int k = 0; k < s->ngoals; k++) {
-    int best = cheapest(s, s->goals[k]);
-    gh_text_print(out, "%s", lead);
-    if (best < 0) {
-      print_unreached(s, k, style, out);
-      return;
-    }
-    gh_text_print(out, "For %s of the %s: ", study_goal_word(s->goals[k]).text, s->quantities[s->main].name);
-    print_choice(s, best, s->goals[k], style, out);
-  }
+  int references = 0;
+  for (int k = 0; k < s->nsettings; k++) references += study_first_of_reference(s, k);
+  if (references > FEW_REFERENCES) print_goals(s, ANY, style, lead, out);
+  for (int k = 0; k < s->nsettings && references <= FEW_REFERENCES; k++)
+    if (study_first_of_reference(s, k)) print_goals(s, s->settings[k].reference, style, lead, out);
 }
 
 /* ---- what was done ---- */
@@ -158,7 +173,8 @@ void study_print_notes(const gh_study *s, gh_text *out) {
   gh_text_print(out,
                 "Errors are relative: the l2 norm of the difference over that of the reference, over the "
                 "values of t that both have; largest: the largest difference over the largest value. Seconds "
-                "are those of one core. Front: nothing else is at least as accurate and cheaper");
+                "are those of one core. Front: nothing else with the same reference is at least as accurate "
+                "and cheaper");
   if (counted != STUDY_NOTHING)
     gh_text_print(out, ", in time, in work (%s), or in both", study_count_name(counted));
   gh_text_print(out, ".");

@@ -224,6 +224,27 @@ static void test_counts(void **state) {
   made_destroy(s);
 }
 
+/* Settings with references of their own do not compete: the exact answer of one condition is no rival. */
+static void test_fronts_of_references(void **state) {
+  gh_context *ctx = *state;
+  gh_study *s = made_study(ctx);
+  double add[4] = {0, 0.1, 0, 0.2}, cost[4] = {1, 2, 1, 1};
+  made_knob(s, "tolerance", VALUES("1", "2"));
+  made_knob(s, "boundary", VALUES("taylor", "periodic"));
+  made_settings(s, 1, 2);
+  s->reference = STUDY_SETTING;
+  for (int k = 0; k < 6; k++) {
+    if (k < 4) s->settings[k].reference = 4 + k % 2;
+    made_run(s->settings[k].runs, 4, 3, parabola, k < 4 ? add + k : NULL, k < 4 ? cost[k] : 9, 5);
+  }
+  OK(study_judge(s));
+  const study_judged *row = s->verdict->row;
+  assert_true(row[0].pareto && row[2].pareto); /* equal */
+  assert_true(row[1].pareto && row[3].pareto); /* dearer than taylor, but better or cheaper than each other */
+  assert_true(row[1].pareto_count && !row[3].pareto_count);
+  made_destroy(s);
+}
+
 /* ---- orders ---- */
 
 /* The same, with what is added in P22, where nothing cancels. */
@@ -336,9 +357,10 @@ static void test_round_off(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {
-      TEST(test_student),  TEST(test_errors),     TEST(test_nothing_to_compare),
-      TEST(test_common_t), TEST(test_ensemble),   TEST(test_paired),
-      TEST(test_front),    TEST(test_counts),     TEST(test_orders),
-      TEST(test_plateau),  TEST(test_divergence), TEST(test_round_off)};
+      TEST(test_student),  TEST(test_errors),   TEST(test_nothing_to_compare),
+      TEST(test_common_t), TEST(test_ensemble), TEST(test_paired),
+      TEST(test_front),    TEST(test_counts),   TEST(test_fronts_of_references),
+      TEST(test_orders),   TEST(test_plateau),  TEST(test_divergence),
+      TEST(test_round_off)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -197,6 +197,13 @@ static void test_order_text(void **state) {
   OK(study_judge(s));
   OK(gh_text_create(ctx, &t));
   study_write_markdown(s, t);
+  /* each condition has a reference of its own, and sentences of its own */
+  has_line(ctx, t,
+           "- For 1 % of the stress: refine 4, boundary taylor (error 2.50e-3, 0.300 s of one core, 3000 "
+           "pair evaluations).");
+  has_line(ctx, t,
+           "- For 1 % of the stress: refine 2, boundary periodic (error 4.00e-3, 0.200 s of one core, 2000 "
+           "pair evaluations).");
   has_line(ctx, t, "| boundary | order in refine | from | to |  |");
   has_line(ctx, t, "| taylor | 2.00 | 1 | 8 |  |");
   has_line(ctx, t, "| periodic | 2.91 | 1 | 2 | not monotone: the error does not fall from 2 to 4 |");
