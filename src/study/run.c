@@ -17,6 +17,8 @@ typedef struct job {
   gh_study *s;
   const char *folder;
   study_team *team;
+  int total;   /* all runs */
+  place *all;  /* by id; those of one id are one run, the first of them does it */
   place *todo; /* what has no record yet */
   int count;
   gh_text *given;   /* what this rank has done, for rank 0 */
@@ -29,20 +31,6 @@ typedef struct job {
 
 static study_run *run_at(const gh_study *s, place p) {
   return s->settings[p.setting].runs + p.member;
-}
-
-static int count_runs(const gh_study *s) {
-  int n = 0;
-  for (int k = 0; k < s->nsettings; k++) n += s->settings[k].nruns;
-  return n;
-}
-
-/* The run with this number among all. */
-static place place_of(const gh_study *s, int number) {
-  place p = {0};
-  while (number >= s->settings[p.setting].nruns) number -= s->settings[p.setting++].nruns;
-  p.member = number;
-  return p;
 }
 
 /* ---- what is told ---- */
@@ -222,36 +210,58 @@ static gh_status collect(job *j, gh_status status) {
   return status;
 }
 
-/* Settings may come to the same: one of them has run. */
-static gh_status copy_twins(gh_study *s) {
-  const int n = count_runs(s);
+static bool is_first(const job *j, int k) {
+  return k == 0 || strcmp(run_at(j->s, j->all[k])->id, run_at(j->s, j->all[k - 1])->id) != 0;
+}
+
+/* Settings may come to the same: one of them has run, and it is the first of those with its id. */
+static gh_status copy_twins(job *j) {
+  gh_study *s = j->s;
   gh_text *text;
-  for (int k = 0; k < n; k++) {
-    study_run *run = run_at(s, place_of(s, k));
-    for (int i = 0; i < n && !run->finished; i++) {
-      const place p = place_of(s, i);
-      const study_run *twin = run_at(s, p);
-      if (!twin->finished || strcmp(twin->id, run->id) != 0) continue;
-      GH_TRY(gh_text_create(s->ctx, &text));
-      gh_status status = study_record_print(s, p.setting, twin, text);
-      if (status == GH_OK) status = study_record_parse(s, gh_text_get(text, NULL), run);
-      gh_text_destroy(&text);
-      GH_TRY(status);
-    }
+  for (int k = 1; k < j->total; k++) {
+    const study_run *twin = run_at(s, j->all[k - 1]);
+    if (is_first(j, k) || !twin->finished) continue;
+    GH_TRY(gh_text_create(s->ctx, &text));
+    gh_status status = study_record_print(s, j->all[k - 1].setting, twin, text);
+    if (status == GH_OK) status = study_record_parse(s, gh_text_get(text, NULL), run_at(s, j->all[k]));
+    gh_text_destroy(&text);
+    GH_TRY(status);
   }
   return GH_OK;
 }
 
 /* ---- before ---- */
 
-static bool is_first(const gh_study *s, int number) {
-  const char *id = run_at(s, place_of(s, number))->id;
-  for (int k = 0; k < number; k++)
-    if (strcmp(run_at(s, place_of(s, k))->id, id) == 0) return false;
-  return true;
+/* A run with its id and its number in the order of the file. */
+typedef struct entry {
+  const char *id;
+  int number;
+  place at;
+} entry;
+
+static int by_id(const void *a, const void *b) {
+  const entry *x = a, *y = b;
+  int order = strcmp(x->id, y->id);
+  return order ? order : x->number - y->number;
 }
 
-/* Rank 0: folders, and which runs have no record (flags, as many as runs). */
+static gh_status list_runs(job *j) {
+  gh_study *s = j->s;
+  entry *list;
+  for (int k = 0; k < s->nsettings; k++) j->total += s->settings[k].nruns;
+  GH_TRY(gh_alloc(s->ctx, (size_t)j->total, sizeof *j->all, &j->all));
+  GH_TRY(gh_alloc(s->ctx, (size_t)j->total, sizeof *j->todo, &j->todo));
+  GH_TRY(gh_alloc(s->ctx, (size_t)j->total, sizeof *list, &list));
+  for (int k = 0, n = 0; k < s->nsettings; k++)
+    for (int m = 0; m < s->settings[k].nruns; m++, n++)
+      list[n] = (entry){.id = s->settings[k].runs[m].id, .number = n, .at = {k, m}};
+  qsort(list, (size_t)j->total, sizeof *list, by_id);
+  for (int k = 0; k < j->total; k++) j->all[k] = list[k].at;
+  free(list);
+  return GH_OK;
+}
+
+/* Rank 0: folders, and which runs have no record (flags by `all`). */
 static gh_status prepare(const job *j, bool fresh, unsigned char *flags) {
   gh_study *s = j->s;
   char *runs = gh_path_join(j->folder, "runs");
@@ -259,26 +269,32 @@ static gh_status prepare(const job *j, bool fresh, unsigned char *flags) {
   gh_status status = gh_folder_make(s->ctx, runs);
   free(runs);
   GH_TRY(status);
-  for (int k = 0; k < count_runs(s); k++) {
-    study_run *run = run_at(s, place_of(s, k));
+  for (int k = 0; k < j->total; k++) {
+    study_run *run = run_at(s, j->all[k]);
     run->finished = false;
-    flags[k] = is_first(s, k) && (fresh || !study_record_find(s, j->folder, run));
+    flags[k] = is_first(j, k) && (fresh || !study_record_find(s, j->folder, run));
   }
   return GH_OK;
 }
 
+static int by_place(const void *a, const void *b) {
+  const place *x = a, *y = b;
+  return x->setting != y->setting ? x->setting - y->setting : x->member - y->member;
+}
+
+/* What is to be done, in the order of the file. */
 static gh_status plan(job *j, bool fresh) {
-  const int n = count_runs(j->s);
-  unsigned char *flags;
-  GH_TRY(gh_alloc(j->s->ctx, (size_t)n, sizeof *flags, &flags));
-  gh_status status = study_team_rank(j->team) == 0 ? prepare(j, fresh, flags) : GH_OK;
+  unsigned char *flags = NULL;
+  gh_status status = list_runs(j);
+  if (status == GH_OK) status = gh_alloc(j->s->ctx, (size_t)j->total, sizeof *flags, &flags);
+  if (status == GH_OK && study_team_rank(j->team) == 0) status = prepare(j, fresh, flags);
   status = (gh_status)study_team_agree(j->team, (int)status);
   if (status == GH_OK) {
-    study_team_share(j->team, flags, n);
-    status = gh_alloc(j->s->ctx, (size_t)n, sizeof *j->todo, &j->todo);
+    study_team_share(j->team, flags, j->total);
+    for (int k = 0; k < j->total; k++)
+      if (flags[k]) j->todo[j->count++] = j->all[k];
+    qsort(j->todo, (size_t)j->count, sizeof *j->todo, by_place);
   }
-  for (int k = 0; k < n && status == GH_OK; k++)
-    if (flags[k]) j->todo[j->count++] = place_of(j->s, k);
   free(flags);
   return status;
 }
@@ -311,8 +327,10 @@ static gh_status look_for_results(gh_study *s) {
                  s->settings[0].runs[0].message);
 }
 
-static gh_status conclude(gh_study *s, const char *folder) {
-  GH_TRY(copy_twins(s));
+static gh_status conclude(job *j) {
+  gh_study *s = j->s;
+  const char *folder = j->folder;
+  GH_TRY(copy_twins(j));
   study_verdict_destroy(s);
   GH_TRY(study_judge(s));
   GH_TRY(write_text(s, folder, "study.csv", study_write_csv));
@@ -324,25 +342,25 @@ static gh_status conclude(gh_study *s, const char *folder) {
 
 static gh_status tell_stop(job *j) {
   int finished = 0;
-  for (int k = 0; k < count_runs(j->s); k++) finished += run_at(j->s, place_of(j->s, k))->finished;
+  for (int k = 0; k < j->total; k++) finished += run_at(j->s, j->all[k])->finished;
   return gh_fail(j->s->ctx, GH_STOPPED,
                  "stopped on request: %d of %d runs are finished and stay; the same command goes on with the "
                  "others",
-                 finished, count_runs(j->s));
+                 finished, j->total);
 }
 
 /* All ranks go through the same steps, whatever becomes of them. */
 static gh_status run_all(job *j, bool fresh) {
   GH_TRY(plan(j, fresh));
   const bool first = study_team_rank(j->team) == 0;
-  const int n = count_runs(j->s);
-  if (first && j->count < n)
-    gh_log(j->s->ctx, GH_LEVEL_INFO, "%d of %d runs have a record or come to the same as another one",
-           n - j->count, n);
-  if (first) gh_work_begin(j->s->ctx, &j->progress, "study", "runs", j->count);
+  const int had = j->total - j->count;
+  if (first && had > 0)
+    gh_log(j->s->ctx, GH_LEVEL_INFO, "%d of %d runs have a record, or come to the same as another one", had,
+           j->total);
+  if (first && j->count > 0) gh_work_begin(j->s->ctx, &j->progress, "study", "runs", j->count);
   gh_status status = collect(j, work(j));
-  if (first) gh_work_end(j->s->ctx, &j->progress, j->told);
-  if (first && status == GH_OK) status = conclude(j->s, j->folder);
+  if (first && j->count > 0) gh_work_end(j->s->ctx, &j->progress, j->told);
+  if (first && status == GH_OK) status = conclude(j);
   if (first && status == GH_STOPPED) tell_stop(j);
   return (gh_status)study_team_agree(j->team, (int)status);
 }
@@ -355,6 +373,7 @@ gh_status gh_study_run(gh_study *s, const char *folder, const gh_study_options *
   gh_status status = gh_text_create(s->ctx, &j.given);
   if (status == GH_OK) status = run_all(&j, o->fresh);
   gh_text_destroy(&j.given);
+  free(j.all);
   free(j.todo);
   study_team_destroy(&j.team);
   return status;
