@@ -162,13 +162,22 @@ static gh_status place_packing(gh_context *ctx, gh_yaml *doc, const char *file, 
   return status == GH_OK ? gh_yaml_set(doc, "packing", "file") : status;
 }
 
+/* Nothing is written, and points that a scene records need not be there with another mesh. */
+static gh_status leave_results(gh_context *ctx, gh_yaml *doc, scene_keys *k) {
+  static const char *const names[] = {"results", "output"};
+  for (int j = 0; j < 2; j++)
+    if (gh_yaml_has(gh_yaml_get(gh_yaml_root(doc), names[j]))) GH_TRY(add_key(ctx, doc, k, names[j], "{}"));
+  return GH_OK;
+}
+
 static gh_status collect_keys(gh_context *ctx, gh_yaml *doc, const wanted *w, scene_keys *k) {
   size_t steps = (size_t)gh_yaml_length(gh_yaml_get(gh_yaml_root(doc), "steps"));
   for (int j = 0; j < w->count; j++) GH_TRY(gh_yaml_set(doc, w->list[j].key, w->list[j].value));
   size_t more = (size_t)gh_yaml_length(gh_yaml_get(gh_yaml_root(doc), "steps"));
-  GH_TRY(gh_alloc(ctx, (size_t)w->count + steps + more + 1, sizeof *k->list, &k->list));
+  GH_TRY(gh_alloc(ctx, (size_t)w->count + steps + more + 3, sizeof *k->list, &k->list));
   for (int j = 0; j < w->count; j++) k->list[j] = w->list[j];
   k->count = k->borrowed = w->count;
+  GH_TRY(leave_results(ctx, doc, k));
   if (w->refine > 1) GH_TRY(refine_steps(ctx, doc, w->refine, k));
   return w->packing ? place_packing(ctx, doc, w->packing, k) : GH_OK;
 }

@@ -394,7 +394,8 @@ static void twins_run_once(void **state) {
 static void scenes_without_driven_edges(void **state) {
   place *p = *state;
   put(p, "scene.yaml",
-      SCENE "steps: [{increments: 2, pressure: [{edge: right, to: 0.4}, {edge: top, to: 0.4}]}]\n");
+      SCENE "results: {rves: [99]}\nsteps: [{increments: 2, pressure: [{edge: right, to: 0.4}, {edge: top, "
+            "to: 0.4}]}]\n");
   gh_study *s = study_of(p,
                          "scene: scene.yaml\nvary: {solver.tolerance: [1e-3, 1e-10]}\nbase: {refine: 2}\n"
                          "reference: {set: {solver.tolerance: 1e-11}}\n",
