@@ -37,7 +37,7 @@ typedef struct study_plot {
   double x[2], y[2];       /* ends of the points */
   double bar_end;          /* of the highest bar */
   double x_axis[2], y_axis[2];
-  int points, curves;
+  int points;
 } study_plot;
 
 double study_plot_x_of(const study_plot *p, int setting);
@@ -45,7 +45,7 @@ double study_plot_y_of(const study_plot *p, int setting);
 bool study_plot_drawn(const study_plot *p, int setting);
 /* It is the first of the settings of a curve that is drawn. */
 bool study_plot_begins_curve(const study_plot *p, int setting);
-/* Finds the ends, numbers of points and curves, floor, zeros and bars. */
+/* Finds the ends, the number of points, floor, zeros and bars. */
 void study_plot_measure(study_plot *p);
 void study_plot_axes(study_plot *p, const char *x_label, gh_text *t);
 void study_plot_data(const study_plot *p, gh_text *t);

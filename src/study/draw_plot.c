@@ -31,12 +31,11 @@ static bool on_front(const study_plot *p, int k) {
 
 void study_plot_measure(study_plot *p) {
   p->x[0] = p->y[0] = INFINITY, p->x[1] = p->y[1] = 0;
-  p->points = p->curves = 0;
+  p->points = 0;
   p->floor = study_zero_floor(p->s);
   for (int k = 0; k < p->s->nsettings; k++) {
     if (!study_plot_drawn(p, k)) continue;
     p->points++;
-    p->curves += study_plot_begins_curve(p, k);
     p->front = p->front || on_front(p, k);
     p->zeros = p->zeros || study_error_of(p->s, k) == 0;
     p->bars = p->bars || p->s->verdict->row[k].chance[p->s->main] > 0;
