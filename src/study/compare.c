@@ -178,6 +178,7 @@ static void compare_quantity(const comparison *c, const study_quantity *q, int k
     difference += d2, norm += r2;
     largest = fmax(largest, d2), largest_norm = fmax(largest_norm, r2);
   }
+  if (isnan(difference)) largest = NAN; /* fmax passes over what is unknown */
   row->l2[k] = relative(sqrt(difference), sqrt(norm));
   row->largest[k] = relative(sqrt(largest), sqrt(largest_norm));
   row->confidence[k] = relative(sqrt(confidence), sqrt(norm));
@@ -194,6 +195,15 @@ static const char *obstacle(const gh_study *s, const study_setting *g, const com
   return NULL;
 }
 
+/* Why an error is NAN although both sides have points. */
+static const char *unknown(const comparison *c, const study_quantity *q) {
+  for (int m = 0; m < c->na + c->nb; m++)
+    for (int p = 0; p < c->points; p++)
+      for (int k = q->first; k < q->first + q->count; k++)
+        if (isnan(value(c, m, p, k))) return "some values are unknown, here or in the reference";
+  return "the reference is zero throughout";
+}
+
 gh_status study_compare(const gh_study *s, const study_setting *g, study_judged *row) {
   comparison c = {0};
   gh_status status = choose(s, g, &c);
@@ -206,7 +216,7 @@ gh_status study_compare(const gh_study *s, const study_setting *g, study_judged 
     row->points = c.points;
     if (c.points < 2) row->why = "it has fewer than two values of t in common with the reference";
     for (int k = 0; k < s->nquantities && !row->why; k++) compare_quantity(&c, s->quantities + k, k, row);
-    if (!row->why && isnan(row->l2[s->main])) row->why = "the reference is zero throughout";
+    if (!row->why && isnan(row->l2[s->main])) row->why = unknown(&c, s->quantities + s->main);
   }
   free(c.curve);
   free(c.row);

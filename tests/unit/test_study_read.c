@@ -512,6 +512,28 @@ static void reference_from_a_file(void **state) {
   assert_non_null(strstr(gh_message(p->ctx), "other.csv:3: t is 0, it must grow from row to row"));
 }
 
+/* Another program's Cauchy stress becomes P; it tells no energy, and does what it can alone. Without friction
+ * both find the same equilibrium. */
+static void other_programs(void **state) {
+  place *p = *state;
+  gh_study *s = study_of(p,
+                         "rve:\n  packing: @/p50d.data\n  contact: {normal_stiffness: 50}\n"
+                         "  micro: {engine: native}\n"
+                         "  path: {legs: [{to: [0.995, 0.004, 0.001, 0.998], increments: 2}]}\n"
+                         "vary: {micro.engine: [native, gran], micro.boundary: [periodic, taylor]}\n"
+                         "reference: {set: {micro.engine: native, micro.tolerance: 1e-11}}\n",
+                         false);
+  run_study(p, s, GH_OK, NULL, NULL, false);
+  const study_run *gran = s->settings[2].runs, *taylor = s->settings[3].runs;
+  if (gran->status != GH_OK) fail_msg("%s", gran->message);
+  if (!(s->verdict->row[2].l2[0] < 1e-6)) fail_msg("error of the stress %g", s->verdict->row[2].l2[0]);
+  assert_true(gran->curve.n == 3 && gran->force_evaluations > 0 && isnan(gran->curve.value[8]));
+  assert_true(isnan(s->verdict->row[2].l2[1]) && isnan(s->verdict->row[2].largest[1]));
+  assert_true(taylor->finished && taylor->status == GH_INPUT);
+  assert_non_null(strstr(taylor->message, "gran relaxes all grains of a periodic cell"));
+  gh_study_destroy(&s);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {TEST(wrong_studies_are_refused),
                                      TEST(wrong_scenes_are_refused),
@@ -525,6 +547,7 @@ int main(void) {
                                      TEST(triangular_lattice),
                                      TEST(scenes_without_driven_edges),
                                      TEST(lattice_alone),
-                                     TEST(reference_from_a_file)};
+                                     TEST(reference_from_a_file),
+                                     TEST(other_programs)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
