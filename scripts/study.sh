@@ -30,8 +30,13 @@ sizes="88 150 300 600 1200 2400"
 [ "$quick" = 1 ] && sizes="88 150 300"
 mkdir -p "$packings"
 for n in $sizes; do
-  [ -e "$packings/p$n-015.data" ] ||
-    "$out/granhom" pack scenes/packings/block150.yaml --count "$n" --seed 1 --ensemble 15 -o "$packings/p$n.data" >"$packings/p$n.log" 2>&1
+  [ ! -e "$packings/p$n-015.data" ] || continue
+  echo "fifteen packings of $n grains ..."
+  grains="scenes/packings/block150.yaml --count $n"
+  # the largest fraction needs 150 grains
+  [ "$n" -ge 150 ] || grains="--sieve scenes/packings/biaxial.csv --finish overlap=0.001 --finish-cell relaxed"
+  # shellcheck disable=SC2086
+  "$out/granhom" pack $grains --seed 1 --ensemble 15 -o "$packings/p$n.data" >"$packings/p$n.log" 2>&1
 done
 
 for name in $studies; do
