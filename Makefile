@@ -12,14 +12,14 @@ BUILD  ?= build
 PREFIX ?= /usr/local
 ARCH   ?= -march=native
 OPT    ?= -O3
-MODULES ?= base io contact packing engine engine/native engine/lammps engine/peers engine/liggghts micro farm control macro scene
+MODULES ?= base io contact packing engine engine/native engine/lammps engine/peers engine/liggghts micro farm control macro scene study
 
 # MPI=0: granhom's own code knows no ranks; LAMMPS keeps the MPI that it was built with. HDF5=0: results as text alone.
 MPI    ?= 1
 HDF5   ?= 1
 HDF5_PKG := $(if $(filter 0,$(HDF5)),,$(if $(filter 0,$(MPI)),$(shell pkg-config --exists hdf5-serial && echo hdf5-serial || echo hdf5-openmpi),hdf5-openmpi))
 PKGS   := $(if $(filter 0,$(MPI)),,ompi-c) $(HDF5_PKG) yaml-0.1 libcjson cairo
-LEFT_OUT := $(if $(filter 0,$(MPI)),src/farm/mpi.c src/farm/serve.c driver/ranks_mpi.c,src/farm/alone.c driver/ranks_alone.c) \
+LEFT_OUT := $(if $(filter 0,$(MPI)),src/farm/mpi.c src/farm/serve.c src/study/team_mpi.c driver/ranks_mpi.c,src/farm/alone.c src/study/team_alone.c driver/ranks_alone.c) \
   $(if $(filter 0,$(HDF5)),src/io/h5.c,src/io/h5_none.c)
 CC     ?= gcc
 CXX    ?= g++

@@ -11,8 +11,8 @@ typedef struct cli_command {
   const char *name, *summary, *help; /* help: usage and every option */
   int (*run)(int argc, char **argv);
 } cli_command;
-extern const cli_command cli_run, cli_rve, cli_element, cli_crosscheck, cli_pack, cli_plot, cli_report,
-    cli_lammps;
+extern const cli_command cli_run, cli_rve, cli_element, cli_study, cli_crosscheck, cli_pack, cli_plot,
+    cli_report, cli_lammps;
 
 /* A context whose log and progress go to standard error: a rewritten line on a terminal, plain lines at most
  * every ten seconds elsewhere. NULL (after a message) when there is no memory. */

@@ -13,4 +13,5 @@
 #include "granhom/packing.h"
 #include "granhom/peers.h"
 #include "granhom/scene.h"
+#include "granhom/study.h"
 #endif

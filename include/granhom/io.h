@@ -78,6 +78,8 @@ typedef struct gh_yaml_node {
   int parent; /* of an absent value: the map or list that was asked, so that messages can name its line */
 } gh_yaml_node;
 gh_status gh_yaml_read(gh_context *ctx, const char *path, gh_yaml **doc);
+/* The same from a text; `name` stands for the file in messages. */
+gh_status gh_yaml_parse(gh_context *ctx, const char *name, const char *text, gh_yaml **doc);
 void gh_yaml_destroy(gh_yaml **doc);
 gh_yaml_node gh_yaml_root(const gh_yaml *doc);
 int gh_yaml_line(gh_yaml_node node);
@@ -102,6 +104,15 @@ gh_status gh_yaml_integer(gh_yaml_node node, const char *what, long low, long hi
 gh_status gh_yaml_bool(gh_yaml_node node, const char *what, bool *value);
 gh_status gh_yaml_text(gh_yaml_node node, const char *what, const char **value);
 gh_status gh_yaml_numbers(gh_yaml_node node, const char *what, int n, double *values);
+/* Puts a value in the place of another, in memory. key: the way there from the root, with dots, entries of
+ * lists by their number from 0: "steps.1.increments". value: YAML in flow style: "1e-6", "[2, 4]", "{balance:
+ * true}". A map or list that stands there is replaced as a whole; keys that are missing are made, entries of
+ * lists are not. The new value has the line of what it replaces, or of the map that it is put into. GH_INPUT:
+ * the way does not exist, the value is no YAML; the document is then as it was. */
+gh_status gh_yaml_set(gh_yaml *doc, const char *key, const char *value);
+/* The value in one line, in flow style, in the order of the file and without its comments: the same document
+ * again when it is parsed. */
+void gh_yaml_print(gh_yaml_node node, gh_text *out);
 
 /* ---- HDF5 ---- */
 

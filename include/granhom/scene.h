@@ -18,6 +18,14 @@ typedef struct gh_scene gh_scene;
 /* Reads a scene with its packing and its mesh, and checks all that can be known before the first equilibrium.
  * All errors are GH_INPUT and begin with file:line. Nothing is written. */
 gh_status gh_scene_read(gh_context *ctx, const char *path, gh_scene **scene);
+/* A key of the scene with another value than in the file, both as gh_yaml_set takes them. */
+typedef struct gh_override {
+  const char *key, *value;
+} gh_override;
+/* The same with n keys set, one after the other, before anything else is read. They are recorded in run.json.
+ * Messages about their values have the line of what they replace. */
+gh_status gh_scene_read_with(gh_context *ctx, const char *path, int n, const gh_override *overrides,
+                             gh_scene **scene);
 void gh_scene_destroy(gh_scene **scene);
 /* Overrides `micro: {engine: ...}`. */
 void gh_scene_set_engine(gh_scene *scene, gh_engine_kind engine);
@@ -64,6 +72,10 @@ typedef struct gh_run_options {
   bool no_balance;      /* leave RVEs on the rank where they began */
   bool restart;         /* go on from the checkpoint in the folder; from the start where there is none */
   int checkpoint_every; /* increments from one checkpoint to the next; 0: 1 */
+  /* called after each complete increment, that of the start (step 0) among them, `increment` of the
+     `increments` that are planned in the step; what is not GH_OK ends the run. NULL: not */
+  gh_status (*observe)(void *data, int step, int increment, int increments, const gh_macro *macro);
+  void *observe_data;
 } gh_run_options;
 
 /* Of what a run estimates its error: Piola stress in the root mean square over the points, and at the point
@@ -105,10 +117,11 @@ typedef struct gh_run_summary {
  * convergence.csv, timing.csv and run.json into `folder`, which is made after the first equilibrium. After
  * each increment all files are whole. GH_INPUT: the scene cannot be run (nothing is written when that shows
  * at the start); GH_DIVERGED: names step and increment; what was complete before is on disk. `summary` may be
- * NULL. checkpoint.h5 is written last, so that all files are complete up to its increment; a run that ends
- * early writes one of the last complete increment. A run that goes on from it writes the same files as one
- * that was never interrupted, seconds apart. GH_INPUT: a checkpoint that is damaged or of another scene,
- * packing, mesh or version. */
+ * NULL. Folder NULL: nothing is written, there are no checkpoints, and `restart` is not looked at; what comes
+ * out is seen by `observe`. checkpoint.h5 is written last, so that all files are complete up to its
+ * increment; a run that ends early writes one of the last complete increment. A run that goes on from it
+ * writes the same files as one that was never interrupted, seconds apart. GH_INPUT: a checkpoint that is
+ * damaged or of another scene, packing, mesh or version. */
 gh_status gh_scene_run(gh_scene *scene, const char *folder, const gh_run_options *options,
                        gh_run_summary *summary);
 /* The summary in words, a few lines. */

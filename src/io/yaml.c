@@ -1,7 +1,7 @@
 /* YAML: reading on top of libyaml's documents, typed values with file and line. SPDX-License-Identifier:
  * GPL-2.0-or-later A document is checked as a whole when it is read: every key is a text and occurs once in
  * its map, no aliases, no tags, one document per file. What asks for values later need not think of these. */
-#include "io/file.h"
+#include "io/yaml.h"
 
 #include <float.h>
 #include <limits.h>
@@ -9,13 +9,6 @@
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>
-#include <yaml.h>
-
-struct gh_yaml {
-  gh_context *ctx;
-  char *path;
-  yaml_document_t document;
-};
 
 static const yaml_node_t *get(const gh_yaml *doc, int node) {
   return node > 0 ? doc->document.nodes.start + (node - 1) : NULL;
@@ -179,21 +172,34 @@ static gh_status check(const gh_yaml *doc) {
   return s;
 }
 
-gh_status gh_yaml_read(gh_context *ctx, const char *path, gh_yaml **out) {
-  *out = NULL;
-  gh_reader r;
+static gh_status parse(gh_context *ctx, const gh_reader *r, gh_yaml **out) {
   gh_yaml *doc;
-  GH_TRY(gh_reader_open(ctx, path, &r));
-  gh_status s = gh_alloc(ctx, 1, sizeof *doc, &doc);
-  if (s == GH_OK) {
-    doc->ctx = ctx;
-    doc->path = strdup(r.path);
-    s = doc->path ? load(doc, &r) : gh_fail(ctx, GH_MEMORY, "%s: no memory to read it", r.path);
-  }
-  gh_reader_close(&r);
+  GH_TRY(gh_alloc(ctx, 1, sizeof *doc, &doc));
+  doc->ctx = ctx;
+  doc->path = strdup(r->path);
+  gh_status s = doc->path ? load(doc, r) : gh_fail(ctx, GH_MEMORY, "%s: no memory to read it", r->path);
   if (s == GH_OK) s = check(doc);
   if (s == GH_OK) *out = doc;
   else gh_yaml_destroy(&doc);
+  return s;
+}
+
+gh_status gh_yaml_read(gh_context *ctx, const char *path, gh_yaml **out) {
+  *out = NULL;
+  gh_reader r;
+  GH_TRY(gh_reader_open(ctx, path, &r));
+  gh_status s = parse(ctx, &r, out);
+  gh_reader_close(&r);
+  return s;
+}
+
+gh_status gh_yaml_parse(gh_context *ctx, const char *name, const char *text, gh_yaml **out) {
+  *out = NULL;
+  char *copy = strdup(text);
+  if (!copy) return gh_fail(ctx, GH_MEMORY, "%s: no memory to read it", name);
+  gh_reader r = {.path = name, .text = copy, .length = strlen(copy)};
+  gh_status s = parse(ctx, &r, out);
+  free(copy);
   return s;
 }
 
@@ -250,8 +256,11 @@ gh_status gh_yaml_fail(gh_yaml_node node, const char *format, ...) {
   return gh_fail(ctx, GH_INPUT, "%s:%d: %s", node.doc->path, line, text);
 }
 
-/* What a node is, for messages. */
-static const char *kind(gh_yaml_node node) {
+const yaml_node_t *gh_yaml_look(gh_yaml_node node) {
+  return get(node.doc, node.node);
+}
+
+const char *gh_yaml_kind(gh_yaml_node node) {
   if (gh_yaml_is_map(node)) return "a map";
   if (gh_yaml_is_list(node)) return "a list";
   if (!gh_yaml_has(node)) return "missing";
@@ -303,7 +312,7 @@ static gh_status fail_key(gh_yaml_node place, const char *key, const char *const
 
 gh_status gh_yaml_keys(gh_yaml_node map, const char *const *known) {
   if (!gh_yaml_is_map(map))
-    return gh_yaml_fail(map, "a map (key: value) is wanted here, this is %s", kind(map));
+    return gh_yaml_fail(map, "a map (key: value) is wanted here, this is %s", gh_yaml_kind(map));
   const yaml_node_t *n = get(map.doc, map.node);
   for (const yaml_node_pair_t *p = n->data.mapping.pairs.start; p < n->data.mapping.pairs.top; p++) {
     const char *key = text_of(get(map.doc, p->key)), *const *k = known;
@@ -354,7 +363,8 @@ static gh_status plain(gh_yaml_node node, const char *what, const char *wanted, 
   char quoted[GH_QUOTE];
   *text = NULL;
   if (!gh_yaml_has(node)) return gh_yaml_fail(node, "%s is missing, %s is wanted", what, wanted);
-  if (!gh_yaml_is_scalar(node)) return gh_yaml_fail(node, "%s is %s, %s is wanted", what, kind(node), wanted);
+  if (!gh_yaml_is_scalar(node))
+    return gh_yaml_fail(node, "%s is %s, %s is wanted", what, gh_yaml_kind(node), wanted);
   const yaml_node_t *n = get(node.doc, node.node);
   if (n->data.scalar.style != YAML_PLAIN_SCALAR_STYLE)
     return gh_yaml_fail(node, "%s is a text in quotes ('%s'), %s is wanted", what,
@@ -409,7 +419,8 @@ gh_status gh_yaml_bool(gh_yaml_node node, const char *what, bool *value) {
 
 gh_status gh_yaml_text(gh_yaml_node node, const char *what, const char **value) {
   if (!gh_yaml_has(node)) return gh_yaml_fail(node, "%s is missing, a text is wanted", what);
-  if (!gh_yaml_is_scalar(node)) return gh_yaml_fail(node, "%s is %s, a text is wanted", what, kind(node));
+  if (!gh_yaml_is_scalar(node))
+    return gh_yaml_fail(node, "%s is %s, a text is wanted", what, gh_yaml_kind(node));
   const yaml_node_t *n = get(node.doc, node.node);
   if (n->data.scalar.length == 0) return gh_yaml_fail(node, "%s is empty, a text is wanted", what);
   *value = text_of(n);
@@ -419,7 +430,7 @@ gh_status gh_yaml_text(gh_yaml_node node, const char *what, const char **value) 
 gh_status gh_yaml_numbers(gh_yaml_node node, const char *what, int n, double *values) {
   if (!gh_yaml_has(node)) return gh_yaml_fail(node, "%s is missing, a list of %d numbers is wanted", what, n);
   if (!gh_yaml_is_list(node))
-    return gh_yaml_fail(node, "%s is %s, a list of %d numbers is wanted", what, kind(node), n);
+    return gh_yaml_fail(node, "%s is %s, a list of %d numbers is wanted", what, gh_yaml_kind(node), n);
   int length = gh_yaml_length(node);
   if (length != n) return gh_yaml_fail(node, "%s has %d items, %d numbers are wanted", what, length, n);
   for (int k = 0; k < n; k++) {

@@ -36,6 +36,15 @@ static void hex(uint64_t sum, char text[HEX]) {
   snprintf(text, HEX, "%016" PRIx64, sum);
 }
 
+static uint64_t sum_scene(const gh_scene *s) {
+  uint64_t sum = add_bytes(first_sum, s->text, strlen(s->text));
+  for (int k = 0; k < s->noverrides; k++) {
+    sum = add_bytes(sum, s->override_key[k], strlen(s->override_key[k]) + 1);
+    sum = add_bytes(sum, s->override_value[k], strlen(s->override_value[k]) + 1);
+  }
+  return sum;
+}
+
 static uint64_t sum_mesh(const gh_scene *s) {
   const gh_mesh *m = s->mesh;
   uint64_t sum = add_bytes(first_sum, m->X, 2 * (size_t)m->nnodes * sizeof *m->X);
@@ -80,7 +89,7 @@ static void find_marks(const gh_scene *s, mark list[MARKS]) {
       {"/made/engine", "was made with another engine", ""},
       {"/made/estimate", "was made with another choice of --estimate-error", ""}};
   memcpy(list, names, sizeof names);
-  hex(add_bytes(first_sum, s->text, strlen(s->text)), list[1].value);
+  hex(sum_scene(s), list[1].value);
   hex(sum_mesh(s), list[2].value);
   hex(sum_packings(s), list[3].value);
   snprintf(list[4].value, sizeof list[4].value, "%s",

@@ -71,7 +71,9 @@ typedef enum scene_start { SCENE_START_NONE, SCENE_START_CONFINEMENT, SCENE_STAR
 struct gh_scene {
   gh_context *ctx;
   char *path, *text, *title, *length_unit, *force_unit;
-  int npackings; /* different files */
+  int noverrides;
+  char **override_key, **override_value; /* set in place of what `text` says */
+  int npackings;                         /* different files */
   char **packing_paths;
   gh_packing **packings;
   int *packing_of;    /* 4 nelements: packing of each integration point */
@@ -140,6 +142,7 @@ typedef struct scene_frame {
 } scene_frame;
 /* Checks that folder is none that cannot be written to; touches nothing. */
 gh_status scene_results_check(gh_context *ctx, const char *folder);
+/* Folder NULL: the points are looked at, and nothing is written. */
 gh_status scene_results_create(gh_scene *scene, gh_farm *farm, gh_macro *macro, const char *folder,
                                scene_results **results);
 void scene_results_destroy(scene_results **results);

@@ -375,7 +375,33 @@ static gh_status read_root(gh_scene *s, node root, const char *folder) {
   return scene_read_packings(s, root, folder);
 }
 
+gh_status scene_read_material(node root, gh_context *ctx, gh_rve_options *rve) {
+  gh_scene s = {.ctx = ctx, .micro = *rve};
+  GH_TRY(read_contact(&s, root));
+  GH_TRY(read_micro(&s, root));
+  *rve = s.micro;
+  return GH_OK;
+}
+
+/* Sets the keys in the document, and notes them. */
+static gh_status override(gh_scene *s, gh_yaml *doc, int n, const gh_override *overrides) {
+  GH_TRY(gh_alloc(s->ctx, (size_t)n, sizeof *s->override_key, &s->override_key));
+  GH_TRY(gh_alloc(s->ctx, (size_t)n, sizeof *s->override_value, &s->override_value));
+  s->noverrides = n;
+  for (int k = 0; k < n; k++) {
+    GH_TRY(scene_copy_text(s->ctx, overrides[k].key, &s->override_key[k]));
+    GH_TRY(scene_copy_text(s->ctx, overrides[k].value, &s->override_value[k]));
+    GH_TRY(gh_yaml_set(doc, overrides[k].key, overrides[k].value));
+  }
+  return GH_OK;
+}
+
 gh_status gh_scene_read(gh_context *ctx, const char *path, gh_scene **scene) {
+  return gh_scene_read_with(ctx, path, 0, NULL, scene);
+}
+
+gh_status gh_scene_read_with(gh_context *ctx, const char *path, int n, const gh_override *overrides,
+                             gh_scene **scene) {
   *scene = NULL;
   gh_yaml *doc = NULL;
   char *folder = NULL;
@@ -396,6 +422,7 @@ gh_status gh_scene_read(gh_context *ctx, const char *path, gh_scene **scene) {
     goto done;
   }
   GH_TRY_OR(gh_file_text(ctx, path, &s->text) /* as it is, for run.json */, done);
+  GH_TRY_OR(override(s, doc, n, overrides), done);
   GH_TRY_OR(read_root(s, gh_yaml_root(doc), folder), done);
   GH_TRY_OR(scene_program_create(s), done);
   GH_TRY_OR(scene_program_check(s), done);
@@ -427,6 +454,12 @@ void gh_scene_destroy(gh_scene **scene) {
   free(s->supports);
   free(s->rves);
   free(s->dumps);
+  for (int k = 0; k < s->noverrides; k++) {
+    free(s->override_key[k]);
+    free(s->override_value[k]);
+  }
+  free(s->override_key);
+  free(s->override_value);
   free(s->path);
   free(s->text);
   free(s->title);

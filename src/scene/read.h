@@ -25,6 +25,8 @@ gh_status scene_optional_bool(node map, const char *key, bool *value);
 gh_status scene_pair(node n, const char *what, double value[2]);
 /* Number of entries of an optional list. */
 gh_status scene_list_length(node list, const char *what, int *length);
+/* `contact` and `micro` of a map into *rve, which holds the defaults. */
+gh_status scene_read_material(node root, gh_context *ctx, gh_rve_options *rve);
 
 /* ---- packings.c ---- */
 

@@ -123,6 +123,12 @@ static void add_error(cJSON *root, const gh_run_summary *m, bool estimated) {
   number(o, "extra_seconds", q->seconds);
 }
 
+static void add_overrides(cJSON *root, const gh_scene *s) {
+  if (s->noverrides == 0) return;
+  cJSON *o = group(root, "overrides");
+  for (int k = 0; k < s->noverrides; k++) text(o, s->override_key[k], s->override_value[k]);
+}
+
 static void add_summary(cJSON *root, const gh_run_summary *m) {
   cJSON *o = group(root, "summary"), *time = group(o, "seconds"), *farm = group(o, "farm");
   number(o, "steps", m->steps);
@@ -178,6 +184,7 @@ char *scene_run_json(const gh_scene *scene, const gh_farm *farm, const char *sta
   text(root, "packing_file", scene->packing_paths[0]);
   add_packings(root, scene);
   text(root, "scene", scene->text);
+  add_overrides(root, scene);
   char *json = cJSON_Print(root);
   cJSON_Delete(root);
   return json;

@@ -139,8 +139,9 @@ static gh_status write_fields(scene_results *r, const scene_frame *f) {
 }
 
 gh_status scene_results_write(scene_results *r, const scene_frame *f) {
-  GH_TRY(begin(r));
+  if (r->folder) GH_TRY(begin(r));
   look_at_points(r);
+  if (!r->folder) return GH_OK;
   if (gh_h5_available()) GH_TRY(write_fields(r, f));
   r->frames++;
   GH_TRY(scene_write_dumps(r, f));
@@ -150,7 +151,7 @@ gh_status scene_results_write(scene_results *r, const scene_frame *f) {
 
 gh_status scene_results_close(scene_results *r, gh_status status, const char *outcome, const char *message,
                               const gh_run_summary *summary) {
-  if (status == GH_INPUT && !r->begun) return GH_OK; /* wrong input writes nothing */
+  if (!r->folder || (status == GH_INPUT && !r->begun)) return GH_OK; /* wrong input writes nothing */
   GH_TRY(begin(r));
   GH_TRY(write_tables(r));
   return write_json(r, outcome, message, summary);
@@ -165,8 +166,8 @@ gh_status scene_results_create(gh_scene *scene, gh_farm *farm, gh_macro *macro, 
   scene_results *r = *results;
   r->ctx = ctx, r->scene = scene, r->farm = farm, r->macro = macro;
   r->min_acoustic = NAN;
-  r->folder = strdup(folder);
-  status = r->folder ? GH_OK : gh_fail(ctx, GH_MEMORY, "no memory for a path");
+  r->folder = folder ? strdup(folder) : NULL;
+  status = r->folder || !folder ? GH_OK : gh_fail(ctx, GH_MEMORY, "no memory for a path");
   if (status == GH_OK) status = gh_text_create(ctx, &r->history);
   if (status == GH_OK) status = gh_text_create(ctx, &r->convergence);
   if (status == GH_OK) status = gh_text_create(ctx, &r->timing);

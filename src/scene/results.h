@@ -11,7 +11,7 @@ struct scene_results {
   gh_scene *scene;
   gh_farm *farm;
   gh_macro *macro;
-  char *folder;
+  char *folder; /* NULL: nothing is written */
   gh_text *history, *convergence, *timing, *xdmf, *points_xdmf;
   bool begun;             /* the folder is there */
   gh_farm_counts counted; /* by the farm up to the last row of history.csv */

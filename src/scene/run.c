@@ -8,6 +8,7 @@ typedef struct run {
   gh_scene *scene;
   gh_context *ctx;
   const gh_run_options *options;
+  const char *folder; /* NULL: nothing is written */
   gh_farm *farm;
   gh_macro *macro;
   gh_loads *loads;
@@ -28,7 +29,7 @@ typedef struct run {
 static void watch(void *data, const gh_macro_iteration *it) {
   run *r = data;
   r->last = *it;
-  scene_results_iteration(r->results, r->counter, it);
+  if (r->folder) scene_results_iteration(r->results, r->counter, it);
   gh_log(r->ctx, GH_LEVEL_INFO,
          "%s %d/%d  part %d  iteration %2d  relative residual %9.2e  step length %.3g  %.2f s",
          gh_scene_step_name(r->scene, r->step), r->increment, gh_scene_increments(r->scene, r->step),
@@ -36,6 +37,9 @@ static void watch(void *data, const gh_macro_iteration *it) {
 }
 
 static gh_status tell_stop(run *r) {
+  if (!r->folder)
+    return gh_fail(r->ctx, GH_STOPPED, "stopped on request at increment %d of %d of step '%s'", r->increment,
+                   gh_scene_increments(r->scene, r->step), gh_scene_step_name(r->scene, r->step));
   return gh_fail(
       r->ctx, GH_STOPPED,
       "stopped on request at increment %d of %d of step '%s'; what was done before is complete on disk, and "
@@ -111,7 +115,7 @@ static void sum_up(run *r) {
 
 /* A checkpoint of the increment that is complete now; to disk when it is due. */
 static gh_status keep(run *r) {
-  if (!gh_h5_available()) return GH_OK;
+  if (!gh_h5_available() || !r->folder) return GH_OK;
   double begin = gh_seconds();
   int every = r->options && r->options->checkpoint_every > 0 ? r->options->checkpoint_every : 1;
   scene_position here = {
@@ -138,7 +142,7 @@ static gh_status replay(run *r) {
 /* *resumed: the run goes on behind r->step, r->increment. */
 static gh_status resume(run *r, bool *resumed) {
   *resumed = false;
-  if (!r->options || !r->options->restart) return GH_OK;
+  if (!r->options || !r->options->restart || !r->folder) return GH_OK;
   GH_TRY(scene_checkpoint_find(r->results, resumed));
   if (!*resumed) {
     gh_log(r->ctx, GH_LEVEL_WARNING, "there is no checkpoint to restart from: the run begins at the start");
@@ -194,6 +198,13 @@ static gh_status find_equilibrium(run *r, gh_macro_report *report, gh_macro_repo
   return status;
 }
 
+/* To who watches the run from outside. */
+static gh_status show(run *r) {
+  const gh_run_options *o = r->options;
+  if (!o || !o->observe) return GH_OK;
+  return o->observe(o->observe_data, r->step, r->increment, gh_scene_increments(r->scene, r->step), r->macro);
+}
+
 static gh_status solve(run *r) {
   gh_macro_report report = {0}, whole = {0};
   gh_status status = find_equilibrium(r, &report, &whole);
@@ -210,7 +221,7 @@ static gh_status solve(run *r) {
   r->sum.steps += r->step > 0 && r->increment == gh_scene_increments(r->scene, r->step);
   GH_TRY(keep(r));
   r->counter++;
-  return GH_OK;
+  return show(r);
 }
 
 /* ---- the start ---- */
@@ -318,7 +329,7 @@ static gh_status make_farm(run *r) {
 }
 
 static gh_status check_build(const run *r) {
-  if (gh_h5_available()) return GH_OK;
+  if (gh_h5_available() || !r->folder) return GH_OK;
   if (r->options && r->options->restart)
     return gh_fail(r->ctx, GH_INPUT,
                    "--restart needs a checkpoint, and this granhom was built without HDF5 (make HDF5=0)");
@@ -329,17 +340,17 @@ static gh_status check_build(const run *r) {
   return GH_OK;
 }
 
-static gh_status open_run(run *r, const char *folder) {
+static gh_status open_run(run *r) {
   const gh_scene *s = r->scene;
   GH_TRY(check_build(r));
-  GH_TRY(scene_results_check(r->ctx, folder));
+  if (r->folder) GH_TRY(scene_results_check(r->ctx, r->folder));
   r->sum.points = 4 * s->mesh->nelements;
   GH_TRY(gh_alloc(r->ctx, (size_t)s->nsteps + 1, sizeof *r->begin_u, &r->begin_u));
   GH_TRY(make_farm(r));
   if (r->options) gh_farm_set_stop(r->farm, r->options->stop, r->options->stop_data);
   GH_TRY(gh_macro_create(r->ctx, s->mesh, r->farm, &s->solver, &r->macro));
   GH_TRY(gh_loads_create(r->ctx, s->mesh, &r->loads));
-  GH_TRY(scene_results_create(r->scene, r->farm, r->macro, folder, &r->results));
+  GH_TRY(scene_results_create(r->scene, r->farm, r->macro, r->folder, &r->results));
   gh_macro_set_watch(r->macro, watch, r);
   return GH_OK;
 }
@@ -360,9 +371,13 @@ static gh_status close_run(run *r, gh_status status) {
 
 gh_status gh_scene_run(gh_scene *scene, const char *folder, const gh_run_options *options,
                        gh_run_summary *summary) {
-  run r = {
-      .scene = scene, .ctx = scene->ctx, .options = options, .begin = gh_seconds(), .sum = {.at_once = 1}};
-  gh_status status = open_run(&r, folder);
+  run r = {.scene = scene,
+           .ctx = scene->ctx,
+           .options = options,
+           .folder = folder,
+           .begin = gh_seconds(),
+           .sum = {.at_once = 1}};
+  gh_status status = open_run(&r);
   if (status == GH_OK) {
     status = run_all(&r);
     if (status == GH_STOPPED) tell_stop(&r);

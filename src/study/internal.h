@@ -19,6 +19,12 @@ typedef struct study_knob {
   int line;
 } study_knob;
 
+/* A key with a value that a study sets: in `base`, or in a reference. */
+typedef struct study_entry {
+  char *key, *value;
+  int line;
+} study_entry;
+
 /* How an answer goes along the path: rows of quantities over the path's parameter t (load steps, or rows of
  * the coarsest path, from 0). */
 typedef struct study_curve {
@@ -49,6 +55,7 @@ typedef struct study_setting {
   int reference; /* setting that this one is compared with; -1: a closed form or a file is */
   int nruns;
   study_run *runs;
+  char **files; /* nruns: packings of the members; NULL where the study names none, but its scene does */
 } study_setting;
 
 /* A group of columns that is compared as a whole. */
@@ -82,25 +89,41 @@ struct gh_study {
                     default 0 */
   int nplots, *plots;            /* columns drawn with error bars over t in curves.png; may be none */
   struct study_verdict *verdict; /* judge.c; NULL before */
+  /* what only reading and running look at: */
+  char *folder;        /* of the study's file */
+  char *scene_path;    /* NULL: one packing along a path */
+  int problem_line;    /* of `scene` or `rve` */
+  int nbase, ntighter; /* entries of `base`; of `reference: {set: ...}` */
+  study_entry *base, *tighter;
+  char *reference_file; /* NULL: none */
+  int reference_line;
 };
 
 /* ---- judge.c and below it: what the runs say (no file is read here, nothing is run) ---- */
 
 /* One setting against its reference. NAN where there is nothing to compare. */
 typedef struct study_judged {
-  int members;          /* runs that came to the end */
-  int points;           /* values of t in common with the reference, t = 0 among them */
+  int members;     /* runs that came to the end */
+  int points;      /* values of t in common with the reference, t = 0 among them */
+  bool paired;     /* the reference has the same packings: each member is compared with itself, and members
+                      that one of the two has not finished are left out */
+  const char *why; /* why the main quantity has no error, in words; NULL: it has one, or is the reference */
   double *l2, *largest; /* nquantities: of the mean over the members: |q - q_ref| in the l2 norm over the
                            common points over that of q_ref; largest |q - q_ref| over the largest |q_ref| */
   double *single; /* nquantities: root mean square over the members of their own l2 error: what a user with
                      one packing has */
-  double *confidence; /* nquantities: half width of the 95 % interval of the mean (Student's t), like l2; NAN
-                         with one member */
-  double wall, core, force_evaluations, pair_evaluations, factorisations,
-      iterations;            /* means over the members */
-  bool pareto, pareto_count; /* no other setting is both cheaper and more accurate: by core seconds; by pair
-                                evaluations */
-  double order;              /* between this value of the order knob and the one before; NAN */
+  double *confidence; /* nquantities: half width of the 95 % interval of the mean (Student's t) at each t and
+                         column, all of these in the l2 norm over that of q_ref; NAN with one member */
+  double *chance; /* nquantities: the same of the difference between mean and reference: an l2 below it can't
+                     be told from chance. Paired: from the differences of the pairs. Else: root of the sum of
+                     squares of both intervals (where the reference is no ensemble: the confidence) */
+  double wall, core, force_evaluations, pair_evaluations, factorisations, evaluations, iterations, cuts,
+      jumps;                      /* means over the members */
+  double residual, energy_defect; /* largest over the members that tell theirs; NAN: none does */
+  bool pareto, pareto_count; /* no other setting is at least as accurate and as cheap, and better in one of
+                                the two: by core seconds; by pair evaluations, or by factorisations in a study
+                                without pair evaluations */
+  double order;              /* between this value of the order knob and the coarser one before; NAN */
 } study_judged;
 
 typedef struct study_verdict {
@@ -110,9 +133,11 @@ typedef struct study_verdict {
     int first;    /* a setting of that combination */
     double order; /* least squares of log error over log knob, where the error falls; sign so that convergence
                      is positive */
-    int from, to; /* indices of the knob's values that were used */
-    bool monotone; /* the error falls over all values */
+    int from, to; /* indices of the knob's values that were used, the coarsest and the finest; -1: no fit */
+    bool monotone;      /* the error falls over all values, or lies below 1e-13 */
+    int up_from, up_to; /* where it does not: the first two values between which it does not fall; -1 */
   } * fits;
+  bool grows; /* the order knob: larger values are the finer ones */
 } study_verdict;
 
 gh_status study_judge(gh_study *s);

@@ -274,10 +274,105 @@ static void damage_is_safe(void **state) {
   free(text);
 }
 
+/* The whole document in one line; caller frees. */
+static char *printed(place *p, const gh_yaml *doc) {
+  gh_text *out;
+  assert_int_equal(gh_text_create(p->ctx, &out), GH_OK);
+  gh_yaml_print(gh_yaml_root(doc), out);
+  char *text = strdup(gh_text_get(out, NULL));
+  gh_text_destroy(&out);
+  return text;
+}
+
+static void assert_printed(place *p, const gh_yaml *doc, const char *wanted) {
+  char *text = printed(p, doc);
+  assert_string_equal(text, wanted);
+  free(text);
+}
+
+static const char study[] =
+    "title: Block, \"small\" # comment\n"
+    "micro: {tolerance: 1e-8}\n"
+    "start:\n"
+    "steps:\n  - name: press\n    increments: 3\n  - {name: 'shear', increments: 10}\n";
+
+/* Values are replaced and made, in maps, lists and places where nothing is written, and keep the line of what
+ * they replace. */
+static void values_are_set(void **state) {
+  place *p = *state;
+  gh_yaml *doc = read_text(p, study);
+  long i;
+  double v[2];
+  assert_int_equal(gh_yaml_set(doc, "micro.tolerance", "1e-6"), GH_OK);
+  assert_int_equal(gh_yaml_set(doc, "steps.1.increments", "20"), GH_OK);
+  assert_int_equal(gh_yaml_set(doc, "mesh.rectangle.elements", "[2, 4]"), GH_OK);
+  assert_int_equal(gh_yaml_set(doc, "start.confinement", "0.5"), GH_OK);
+  assert_int_equal(gh_yaml_set(doc, "title", "'a: \"b\"'"), GH_OK);
+  gh_yaml_node root = gh_yaml_root(doc), shear = gh_yaml_item(gh_yaml_get(root, "steps"), 1);
+  gh_yaml_node increments = gh_yaml_get(shear, "increments"), mesh = gh_yaml_get(root, "mesh");
+  assert_int_equal(gh_yaml_integer(increments, "increments", 1, 100, &i), GH_OK);
+  assert_int_equal(i, 20);
+  assert_int_equal(gh_yaml_line(increments), 7);
+  assert_int_equal(gh_yaml_line(gh_yaml_get(gh_yaml_get(root, "micro"), "tolerance")), 2);
+  assert_int_equal(gh_yaml_line(gh_yaml_get(gh_yaml_get(root, "start"), "confinement")), 3);
+  assert_int_equal(gh_yaml_numbers(gh_yaml_get(gh_yaml_get(mesh, "rectangle"), "elements"), "e", 2, v),
+                   GH_OK);
+  assert_true(v[0] == 2 && v[1] == 4);
+  assert_printed(
+      p, doc,
+      "{title: \"a: \\\"b\\\"\", micro: {tolerance: 1e-6}, start: {confinement: 0.5}, steps: [{name: "
+      "press, increments: 3}, {name: \"shear\", increments: 20}], mesh: {rectangle: {elements: [2, "
+      "4]}}}");
+  assert_int_equal(gh_yaml_set(doc, "micro", "{}"), GH_OK); /* a map goes as a whole */
+  assert_int_equal(gh_yaml_set(doc, "steps", "[]"), GH_OK);
+  assert_int_equal(gh_yaml_set(doc, "start", "{balance: true, list: [[1, 2], {a: b}]}"), GH_OK);
+  char *text = printed(p, doc);
+  gh_yaml_destroy(&doc);
+  assert_non_null(strstr(text, "micro: {}, start: {balance: true, list: [[1, 2], {a: b}]}, steps: [], mesh"));
+  assert_int_equal(gh_yaml_parse(p->ctx, "again", text, &doc),
+                   GH_OK); /* what was printed is the same document */
+  assert_printed(p, doc, text);
+  free(text);
+  gh_yaml_destroy(&doc);
+}
+
+/* Ways that lead nowhere and values that are none are refused, and change nothing. */
+static void wrong_settings_are_refused(void **state) {
+  static const struct {
+    const char *key, *value, *message;
+  } wrong[] = {
+      {"steps.2.increments", "1", ":5: 'steps.2.increments': there is no entry 2, the list has 2 (from 0)"},
+      {"steps.x", "1", ":5: 'steps.x': this is a list, 'x' is no number of an entry (0, 1, ...)"},
+      {"steps.-1", "1", ":5: 'steps.-1': this is a list, '-1' is no number of an entry (0, 1, ...)"},
+      {"micro.tolerance.x", "1", ":2: 'micro.tolerance.x': this is a single value, it has no 'x'"},
+      {"micro..x", "1", ": 'micro..x' is no key: a part of it is empty"},
+      {"new.a..b", "1", ": 'new.a..b' is no key: a part of it is empty"},
+      {"new.a.", "1", ": 'new.a.' is no key: a part of it is empty"},
+      {"", "1", ": '' is no key: a part of it is empty"},
+      {"micro.tolerance", "", ": 'micro.tolerance': the value is empty"},
+      {"micro.tolerance", "[1, 2",
+       ": 'micro.tolerance': '[1, 2' is no YAML value: value:2: not valid YAML: did not find expected ',' or "
+       "']' "
+       "(while parsing a flow sequence)"},
+      {"micro", "{a: 1, a: 2}",
+       ": 'micro': '{a: 1, a: 2}' is no YAML value: value:1: key 'a' occurs twice, first in line 1"}};
+  place *p = *state;
+  gh_yaml *doc = read_text(p, study);
+  char *before = printed(p, doc);
+  for (size_t k = 0; k < sizeof wrong / sizeof *wrong; k++) {
+    assert_int_equal(gh_yaml_set(doc, wrong[k].key, wrong[k].value), GH_INPUT);
+    assert_message(p, gh_yaml_path(gh_yaml_root(doc)), wrong[k].message);
+    assert_printed(p, doc, before);
+  }
+  free(before);
+  gh_yaml_destroy(&doc);
+}
+
 int main(void) {
-  const struct CMUnitTest tests[] = {TEST(a_scene_is_walked),          TEST(values_are_typed),
-                                     TEST(absent_values_are_harmless), TEST(wrong_values_have_messages),
-                                     TEST(unknown_keys_are_named),     TEST(faulty_documents_are_refused),
-                                     TEST(what_is_no_yaml_is_refused), TEST(damage_is_safe)};
+  const struct CMUnitTest tests[] = {
+      TEST(a_scene_is_walked),          TEST(values_are_typed),       TEST(absent_values_are_harmless),
+      TEST(wrong_values_have_messages), TEST(unknown_keys_are_named), TEST(faulty_documents_are_refused),
+      TEST(what_is_no_yaml_is_refused), TEST(damage_is_safe),         TEST(values_are_set),
+      TEST(wrong_settings_are_refused)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -276,6 +276,71 @@ static void boundary(void **state) {
   gh_mesh_destroy(&mesh);
 }
 
+/* Keys that are set come before what is read of the file, and their errors have the line of what they
+ * replace. */
+static void overrides(void **state) {
+  gh_context *ctx = *state;
+  gh_scene *scene;
+  char path[64];
+  static const char text[] = HEAD "micro: {tolerance: 1e-8}\nsteps:\n  - {increments: 3}\n";
+  const gh_override good[] = {{"steps.0.increments", "7"}, {"mesh.rectangle.elements", "[1, 2]"}},
+                    wrong[] = {{"micro.engine", "native"}, {"micro.tolerance", "3"}},
+                    nowhere[] = {{"steps.1.increments", "7"}};
+  snprintf(path, sizeof path, "test_override_%ld.yaml", (long)getpid());
+  FILE *file = fopen(path, "w");
+  assert_non_null(file);
+  assert_true(fputs(text, file) >= 0);
+  assert_int_equal(fclose(file), 0);
+  gh_status status = gh_scene_read_with(ctx, path, 2, good, &scene);
+  if (status == GH_OK) {
+    assert_true(gh_scene_increments(scene, 1) == 7 && gh_scene_mesh(scene)->nelements == 2);
+    assert_string_equal(scene->text, text); /* as it is in the file; what was set stands beside */
+    assert_true(scene->noverrides == 2);
+    assert_string_equal(scene->override_key[1], "mesh.rectangle.elements");
+    assert_string_equal(scene->override_value[1], "[1, 2]");
+  }
+  gh_scene_destroy(&scene);
+  gh_status refused = gh_scene_read_with(ctx, path, 2, wrong, &scene);
+  char message[256];
+  snprintf(message, sizeof message, "%s", gh_message(ctx));
+  gh_status lost = gh_scene_read_with(ctx, path, 1, nowhere, &scene);
+  unlink(path);
+  OK(status);
+  assert_true(refused == GH_INPUT && lost == GH_INPUT && !scene);
+  assert_non_null(strstr(message, ".yaml:5: tolerance is 3, it must be below 1"));
+  assert_non_null(strstr(gh_message(ctx), ".yaml:7: 'steps.1.increments': there is no entry 1"));
+}
+
+typedef struct seen {
+  int calls, step, increment, last;
+  double ux;
+} seen;
+
+static gh_status see(void *data, int step, int increment, int increments, const gh_macro *macro) {
+  seen *s = data;
+  s->calls++, s->step = step, s->increment = increment, s->last = increments;
+  s->ux = gh_macro_u(macro)[2 * 3]; /* the last node of one element, above on the right */
+  return s->calls == 3 ? GH_STOPPED : GH_OK;
+}
+
+/* Without a folder a run is seen by its observer alone, which can end it. */
+static void observed(void **state) {
+  gh_context *ctx = *state;
+  seen s = {0};
+  gh_run_options options = {.observe = see, .observe_data = &s, .restart = true};
+  gh_run_summary sum;
+  gh_scene *scene = scene_of(
+      ctx, "packing: tests/data/cases/packings/p50.data\ncontact: {normal_stiffness: 50}\n"
+           "micro: {boundary: taylor, engine: native}\nstart: {balance: true}\n"
+           "mesh: {rectangle: {size: [1, 1], elements: [1, 1]}}\nsupports: [{edge: bottom, fix: both}]\n"
+           "steps: [{increments: 4, displace: [{edge: top, x: 0.004}]}]\n");
+  assert_int_equal(gh_scene_run(scene, NULL, &options, &sum), GH_STOPPED);
+  assert_true(s.calls == 3 && s.step == 1 && s.increment == 2 && s.last == 4); /* the start, then two */
+  NEAR("displacement of the driven edge", s.ux, 0.002, 1e-15);
+  assert_int_equal(sum.increments, 2);
+  gh_scene_destroy(&scene);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {TEST(example),
                                      TEST(ramps_start_where_they_are),
@@ -287,6 +352,8 @@ int main(void) {
                                      TEST(explanation),
                                      TEST(mises),
                                      TEST(nodal_mises),
-                                     TEST(boundary)};
+                                     TEST(boundary),
+                                     TEST(overrides),
+                                     TEST(observed)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

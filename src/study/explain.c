@@ -1,0 +1,51 @@
+/* What a study would run, in words. SPDX-License-Identifier: GPL-2.0-or-later */
+#include "study/parts.h"
+
+#include <string.h>
+
+static void knobs(const gh_study *s, gh_text *out) {
+  for (int k = 0; k < s->nknobs; k++) {
+    const study_knob *knob = s->knobs + k;
+    gh_text_print(out, "  varied: %s:", knob->name);
+    for (int j = 0; j < knob->nvalues; j++) gh_text_print(out, "%s %s", j ? "," : "", knob->value[j]);
+    gh_text_print(out, "%s%s\n", k == s->series ? "; points of a curve" : "",
+                  k == s->order ? "; order of convergence" : "");
+  }
+  for (int k = 0; k < s->nbase; k++)
+    if (strcmp(s->base[k].key, "packing") != 0)
+      gh_text_print(out, "  set: %s: %s\n", s->base[k].key, s->base[k].value);
+}
+
+/* Packings of the settings, where the study names some. */
+static void members(const gh_study *s, gh_text *out) {
+  int least = s->settings[0].nruns, most = least;
+  for (int k = 0; k < s->nsettings; k++) {
+    if (s->settings[k].nruns < least) least = s->settings[k].nruns;
+    if (s->settings[k].nruns > most) most = s->settings[k].nruns;
+  }
+  if (most == 1) return;
+  if (least == most)
+    gh_text_print(out, "  packings: %d for each setting; errors are those of their mean\n", most);
+  else
+    gh_text_print(out, "  packings: %d to %d for a setting; errors are those of their mean\n", least, most);
+}
+
+void gh_study_explain(const gh_study *s, gh_text *out) {
+  int rows = 0, runs = 0;
+  for (int k = 0; k < s->nsettings; k++) {
+    rows += !s->settings[k].extra;
+    runs += s->settings[k].nruns;
+  }
+  gh_text_print(out, "%s%s\n", s->title, s->quick ? " (quick)" : "");
+  if (s->scene) gh_text_print(out, "  problem: the scene %s\n", s->scene_path);
+  else gh_text_print(out, "  problem: one packing along a path\n");
+  knobs(s, out);
+  members(s, out);
+  gh_text_print(out, "  settings: %d, and %d more as references; %d runs in all\n", rows, s->nsettings - rows,
+                runs);
+  gh_text_print(out, "  reference: %s\n  compared:", s->reference_text);
+  for (int k = 0; k < s->nquantities; k++) gh_text_print(out, "%s %s", k ? "," : "", s->quantities[k].name);
+  gh_text_print(out, "\n  goals:");
+  for (int k = 0; k < s->ngoals; k++) gh_text_print(out, "%s %g", k ? "," : "", s->goals[k]);
+  gh_text_print(out, "\n");
+}

@@ -1,0 +1,380 @@
+/* All runs of a study, spread over the ranks; then tables and pictures. SPDX-License-Identifier:
+ * GPL-2.0-or-later */
+#include "study/parts.h"
+
+#include <limits.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/resource.h>
+#include <time.h>
+
+/* A run among all. */
+typedef struct place {
+  int setting, member;
+} place;
+
+typedef struct job {
+  gh_study *s;
+  const char *folder;
+  study_team *team;
+  int total;   /* all runs */
+  place *all;  /* by id; those of one id are one run, the first of them does it */
+  place *todo; /* what has no record yet */
+  int count;
+  gh_text *given;   /* what this rank has done, for rank 0 */
+  gh_work progress; /* rank 0 */
+  int told;         /* rank 0: runs done, by whomever */
+  gh_status other;  /* rank 0: how another rank has failed, and its message */
+  char message[2048];
+  double listened;
+} job;
+
+static study_run *run_at(const gh_study *s, place p) {
+  return s->settings[p.setting].runs + p.member;
+}
+
+/* ---- what is told ---- */
+
+static void hear(void *data, const char *note) {
+  job *j = data;
+  gh_log(j->s->ctx, GH_LEVEL_INFO, "%d of %d: %s", ++j->told, j->count, note);
+  gh_work_advance(j->s->ctx, &j->progress, j->told);
+}
+
+static void tell(job *j, place p) {
+  char note[STUDY_NOTE], name[256];
+  const study_run *run = run_at(j->s, p);
+  study_run_name(j->s, p.setting, p.member, name, sizeof name);
+  if (run->status == GH_OK) snprintf(note, sizeof note - 1, "%s: done, %.3g s", name, run->wall);
+  else snprintf(note, sizeof note - 1, "%s: failed after %.3g s: %s", name, run->wall, run->message);
+  if (study_team_rank(j->team) == 0) hear(j, note);
+  else study_team_tell(j->team, note);
+}
+
+/* Asked within runs. */
+static bool stopped(void *data) {
+  enum { EVERY = 100 }; /* ms */
+  job *j = data;
+  double now = gh_seconds();
+  if (now - j->listened > 1e-3 * EVERY) {
+    j->listened = now;
+    study_team_listen(j->team, hear, j);
+  }
+  return study_team_stopped(j->team);
+}
+
+/* ---- one run ---- */
+
+/* Of this process and the children that it has waited for, all threads. */
+static double core_seconds(void) {
+  struct timespec own;
+  struct rusage children;
+  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &own);
+  getrusage(RUSAGE_CHILDREN, &children);
+  return (double)own.tv_sec + 1e-9 * (double)own.tv_nsec +
+         (double)(children.ru_utime.tv_sec + children.ru_stime.tv_sec) +
+         1e-6 * (double)(children.ru_utime.tv_usec + children.ru_stime.tv_usec);
+}
+
+static void clear(study_run *run) {
+  study_run empty = {.packing = run->packing, .residual = NAN, .energy_defect = NAN};
+  memcpy(empty.id, run->id, sizeof empty.id);
+  study_curve_free(&run->curve);
+  *run = empty;
+}
+
+static void measure(job *j, study_problem *p, study_run *run) {
+  const study_stop stop = {.asked = stopped, .data = j};
+  double begin = gh_seconds(), core = core_seconds();
+  run->status = p->scene ? study_scene_run(p, &stop, run) : study_follow(p, &stop, run);
+  run->wall = gh_seconds() - begin;
+  run->core = core_seconds() - core;
+  run->finished = run->status != GH_STOPPED;
+  snprintf(run->message, sizeof run->message, "%s", run->status == GH_OK ? "" : gh_message(p->ctx));
+}
+
+/* In a context of its own, so that it says nothing but its end. */
+static gh_status compute(job *j, place at, study_run *run) {
+  gh_context *quiet;
+  study_problem p;
+  if (gh_context_create(&quiet) != GH_OK) return gh_fail(j->s->ctx, GH_MEMORY, "no memory for a run");
+  gh_status status = study_problem_open(quiet, j->s, at.setting, at.member, -1, &p);
+  if (status != GH_OK) {
+    gh_fail(j->s->ctx, status, "%s", gh_message(quiet));
+  } else if (strcmp(p.id, run->id) != 0) {
+    status = gh_fail(j->s->ctx, GH_INPUT, "files of this run have changed since the study began");
+  } else {
+    measure(j, &p, run);
+  }
+  study_problem_close(&p);
+  gh_context_destroy(&quiet);
+  return status;
+}
+
+/* What the system refused may succeed another time: no record. */
+static bool is_kept(const study_run *run) {
+  return run->status != GH_SYSTEM && run->status != GH_MEMORY;
+}
+
+static gh_status keep(job *j, place at) {
+  const study_run *run = run_at(j->s, at);
+  gh_text *record;
+  char *path = NULL;
+  GH_TRY(gh_text_create(j->s->ctx, &record));
+  gh_status status = study_record_print(j->s, at.setting, run, record);
+  if (status == GH_OK) status = study_record_path(j->s, j->folder, run->id, &path);
+  if (status == GH_OK && is_kept(run)) status = gh_text_commit(record, path);
+  if (status == GH_OK && study_team_rank(j->team) > 0) {
+    size_t length;
+    const char *text = gh_text_get(record, &length);
+    gh_text_print(j->given, "%d %d %zu\n%s", at.setting, at.member, length, text);
+  }
+  free(path);
+  gh_text_destroy(&record);
+  return status;
+}
+
+static gh_status do_run(job *j, place at) {
+  char name[256];
+  study_run *run = run_at(j->s, at);
+  clear(run);
+  study_run_name(j->s, at.setting, at.member, name, sizeof name);
+  gh_status status = compute(j, at, run);
+  if (status == GH_OK && !run->finished) return gh_fail(j->s->ctx, GH_STOPPED, "stopped on request");
+  if (status == GH_OK) status = keep(j, at);
+  if (status != GH_OK) return gh_prefix(j->s->ctx, status, "%s: ", name);
+  tell(j, at);
+  return GH_OK;
+}
+
+/* Runs as long as there are some; a failure of the system ends it on all ranks. */
+static gh_status work(job *j) {
+  gh_status status = GH_OK;
+  while (status == GH_OK) {
+    if (stopped(j)) return gh_fail(j->s->ctx, GH_STOPPED, "stopped on request");
+    long next = study_team_next(j->team);
+    if (next >= j->count) return GH_OK;
+    status = do_run(j, j->todo[next]);
+  }
+  study_team_stop(j->team);
+  return status;
+}
+
+/* ---- what others have done ---- */
+
+/* "STATUS MESSAGE\n", then "SETTING MEMBER LENGTH\n" and a record for each run. */
+static gh_status take(void *data, const char *text) {
+  job *j = data;
+  gh_study *s = j->s;
+  gh_status first = GH_OK;
+  int status = 0, used = 0;
+  const char *end = strchr(text, '\n');
+  if (!end || sscanf(text, "%d%n", &status, &used) != 1)
+    return gh_fail(s->ctx, GH_INTERNAL, "a rank has told nothing");
+  for (const char *at = end + 1; *at && first == GH_OK;) {
+    place p;
+    size_t length;
+    if (sscanf(at, "%d %d %zu%n", &p.setting, &p.member, &length, &used) != 3 || p.setting < 0 ||
+        p.setting >= s->nsettings || p.member < 0 || p.member >= s->settings[p.setting].nruns)
+      return gh_fail(s->ctx, GH_INTERNAL, "a rank has told what cannot be read");
+    at += used + 1;
+    char *record = strndup(at, length);
+    first = record ? study_record_parse(s, record, run_at(s, p)) : gh_fail(s->ctx, GH_MEMORY, "no memory");
+    free(record);
+    at += length;
+  }
+  if (first != GH_OK || status == GH_OK) return first;
+  if (j->other == GH_OK || j->other == GH_STOPPED) { /* a stop may follow from a failure elsewhere */
+    j->other = (gh_status)status;
+    snprintf(j->message, sizeof j->message, "%.*s", (int)(end - text - used - 1), text + used + 1);
+  }
+  return GH_OK;
+}
+
+/* Rank 0 has all runs afterwards, and fails as the first rank that did. */
+static gh_status collect(job *j, gh_status status) {
+  char message[2048] = "";
+  gh_text *all = NULL;
+  if (status != GH_OK) snprintf(message, sizeof message, "%s", gh_message(j->s->ctx));
+  for (char *c = message; *c; c++)
+    if (*c == '\n') *c = ' ';
+  gh_status given = gh_text_create(j->s->ctx, &all);
+  if (given == GH_OK) {
+    gh_text_print(all, "%d %s\n%s", (int)status, message, gh_text_get(j->given, NULL));
+    given = study_team_gather(j->team, all, take, j, hear, j);
+  }
+  gh_text_destroy(&all);
+  if (status != GH_OK && status != GH_STOPPED) return gh_fail(j->s->ctx, status, "%s", message);
+  if (given != GH_OK) return given;
+  if (j->other != GH_OK) return gh_fail(j->s->ctx, j->other, "%s", j->message);
+  return status;
+}
+
+static bool is_first(const job *j, int k) {
+  return k == 0 || strcmp(run_at(j->s, j->all[k])->id, run_at(j->s, j->all[k - 1])->id) != 0;
+}
+
+/* Settings may come to the same: one of them has run, and it is the first of those with its id. */
+static gh_status copy_twins(job *j) {
+  gh_study *s = j->s;
+  gh_text *text;
+  for (int k = 1; k < j->total; k++) {
+    const study_run *twin = run_at(s, j->all[k - 1]);
+    if (is_first(j, k) || !twin->finished) continue;
+    GH_TRY(gh_text_create(s->ctx, &text));
+    gh_status status = study_record_print(s, j->all[k - 1].setting, twin, text);
+    if (status == GH_OK) status = study_record_parse(s, gh_text_get(text, NULL), run_at(s, j->all[k]));
+    gh_text_destroy(&text);
+    GH_TRY(status);
+  }
+  return GH_OK;
+}
+
+/* ---- before ---- */
+
+/* A run with its id and its number in the order of the file. */
+typedef struct entry {
+  const char *id;
+  int number;
+  place at;
+} entry;
+
+static int by_id(const void *a, const void *b) {
+  const entry *x = a, *y = b;
+  int order = strcmp(x->id, y->id);
+  return order ? order : x->number - y->number;
+}
+
+static gh_status list_runs(job *j) {
+  gh_study *s = j->s;
+  entry *list;
+  for (int k = 0; k < s->nsettings; k++) j->total += s->settings[k].nruns;
+  GH_TRY(gh_alloc(s->ctx, (size_t)j->total, sizeof *j->all, &j->all));
+  GH_TRY(gh_alloc(s->ctx, (size_t)j->total, sizeof *j->todo, &j->todo));
+  GH_TRY(gh_alloc(s->ctx, (size_t)j->total, sizeof *list, &list));
+  for (int k = 0, n = 0; k < s->nsettings; k++)
+    for (int m = 0; m < s->settings[k].nruns; m++, n++)
+      list[n] = (entry){.id = s->settings[k].runs[m].id, .number = n, .at = {k, m}};
+  qsort(list, (size_t)j->total, sizeof *list, by_id);
+  for (int k = 0; k < j->total; k++) j->all[k] = list[k].at;
+  free(list);
+  return GH_OK;
+}
+
+/* Rank 0: folders, and which runs have no record (flags by `all`). */
+static gh_status prepare(const job *j, bool fresh, unsigned char *flags) {
+  gh_study *s = j->s;
+  char *runs = gh_path_join(j->folder, "runs");
+  if (!runs) return gh_fail(s->ctx, GH_MEMORY, "no memory for a path");
+  gh_status status = gh_folder_make(s->ctx, runs);
+  free(runs);
+  GH_TRY(status);
+  for (int k = 0; k < j->total; k++) {
+    study_run *run = run_at(s, j->all[k]);
+    run->finished = false;
+    flags[k] = is_first(j, k) && (fresh || !study_record_find(s, j->folder, run));
+  }
+  return GH_OK;
+}
+
+static int by_place(const void *a, const void *b) {
+  const place *x = a, *y = b;
+  return x->setting != y->setting ? x->setting - y->setting : x->member - y->member;
+}
+
+/* What is to be done, in the order of the file. */
+static gh_status plan(job *j, bool fresh) {
+  unsigned char *flags = NULL;
+  gh_status status = list_runs(j);
+  if (status == GH_OK) status = gh_alloc(j->s->ctx, (size_t)j->total, sizeof *flags, &flags);
+  if (status == GH_OK && study_team_rank(j->team) == 0) status = prepare(j, fresh, flags);
+  status = (gh_status)study_team_agree(j->team, (int)status);
+  if (status == GH_OK) {
+    study_team_share(j->team, flags, j->total);
+    for (int k = 0; k < j->total; k++)
+      if (flags[k]) j->todo[j->count++] = j->all[k];
+    qsort(j->todo, (size_t)j->count, sizeof *j->todo, by_place);
+  }
+  free(flags);
+  return status;
+}
+
+/* ---- after ---- */
+
+static gh_status write_text(gh_study *s, const char *folder, const char *name,
+                            void (*print)(const gh_study *s, gh_text *out)) {
+  gh_text *text;
+  char *path = gh_path_join(folder, name);
+  if (!path) return gh_fail(s->ctx, GH_MEMORY, "no memory for a path");
+  gh_status status = gh_text_create(s->ctx, &text);
+  if (status == GH_OK) {
+    print(s, text);
+    status = gh_text_commit(text, path);
+    gh_text_destroy(&text);
+  }
+  free(path);
+  return status;
+}
+
+/* A study without any answer has failed; its tables say why. */
+static gh_status look_for_results(gh_study *s) {
+  char name[256];
+  for (int k = 0; k < s->nsettings; k++)
+    for (int m = 0; m < s->settings[k].nruns && !s->settings[k].extra; m++)
+      if (s->settings[k].runs[m].status == GH_OK) return GH_OK;
+  study_run_name(s, 0, 0, name, sizeof name);
+  return gh_fail(s->ctx, GH_DIVERGED, "no setting has a result; the first one, %s: %s", name,
+                 s->settings[0].runs[0].message);
+}
+
+static gh_status conclude(job *j) {
+  gh_study *s = j->s;
+  const char *folder = j->folder;
+  GH_TRY(copy_twins(j));
+  study_verdict_destroy(s);
+  GH_TRY(study_judge(s));
+  GH_TRY(write_text(s, folder, "study.csv", study_write_csv));
+  GH_TRY(write_text(s, folder, "curves.csv", study_write_curves));
+  GH_TRY(write_text(s, folder, "study.md", study_write_markdown));
+  if (study_draw(s, folder) != GH_OK) gh_log(s->ctx, GH_LEVEL_WARNING, "no pictures: %s", gh_message(s->ctx));
+  return look_for_results(s);
+}
+
+static gh_status tell_stop(job *j) {
+  int finished = 0;
+  for (int k = 0; k < j->total; k++) finished += run_at(j->s, j->all[k])->finished;
+  return gh_fail(j->s->ctx, GH_STOPPED,
+                 "stopped on request: %d of %d runs are finished and stay; the same command goes on with the "
+                 "others",
+                 finished, j->total);
+}
+
+/* All ranks go through the same steps, whatever becomes of them. */
+static gh_status run_all(job *j, bool fresh) {
+  GH_TRY(plan(j, fresh));
+  const bool first = study_team_rank(j->team) == 0;
+  const int had = j->total - j->count;
+  if (first && had > 0)
+    gh_log(j->s->ctx, GH_LEVEL_INFO, "%d of %d runs have a record, or come to the same as another one", had,
+           j->total);
+  if (first && j->count > 0) gh_work_begin(j->s->ctx, &j->progress, "study", "runs", j->count);
+  gh_status status = collect(j, work(j));
+  if (first && j->count > 0) gh_work_end(j->s->ctx, &j->progress, j->told);
+  if (first && status == GH_OK) status = conclude(j);
+  if (first && status == GH_STOPPED) tell_stop(j);
+  return (gh_status)study_team_agree(j->team, (int)status);
+}
+
+gh_status gh_study_run(gh_study *s, const char *folder, const gh_study_options *options) {
+  const gh_study_options none = {0}, *o = options ? options : &none;
+  const study_stop stop = {.asked = o->stop, .data = o->stop_data};
+  job j = {.s = s, .folder = folder};
+  GH_TRY(study_team_create(s->ctx, o->comm, &stop, &j.team));
+  gh_status status = gh_text_create(s->ctx, &j.given);
+  if (status == GH_OK) status = run_all(&j, o->fresh);
+  gh_text_destroy(&j.given);
+  free(j.all);
+  free(j.todo);
+  study_team_destroy(&j.team);
+  return status;
+}

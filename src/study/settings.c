@@ -1,0 +1,266 @@
+/* Settings of a study: all combinations of the values of its knobs, what each is compared with, and the
+ * packings of each. SPDX-License-Identifier: GPL-2.0-or-later */
+#include "study/parts.h"
+
+#include <glob.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { MOST_SETTINGS = 100000 };
+
+/* ---- values ---- */
+
+static const study_entry *find_entry(const study_entry *list, int n, const char *key) {
+  for (int k = 0; k < n; k++)
+    if (strcmp(list[k].key, key) == 0) return list + k;
+  return NULL;
+}
+
+static int find_knob(const gh_study *s, const char *key) {
+  for (int k = 0; k < s->nknobs; k++)
+    if (strcmp(s->knobs[k].name, key) == 0) return k;
+  return -1;
+}
+
+const char *study_value(const gh_study *s, const study_setting *setting, const char *key) {
+  const study_entry *e = setting->extra ? find_entry(s->tighter, s->ntighter, key) : NULL;
+  if (e) return e->value;
+  int knob = find_knob(s, key);
+  if (knob >= 0) return setting->value[knob];
+  e = find_entry(s->base, s->nbase, key);
+  return e ? e->value : NULL;
+}
+
+static int line_of(const gh_study *s, const study_setting *setting, const char *key) {
+  const study_entry *e = setting->extra ? find_entry(s->tighter, s->ntighter, key) : NULL;
+  int knob = find_knob(s, key);
+  if (!e && knob >= 0) return s->knobs[knob].line;
+  if (!e) e = find_entry(s->base, s->nbase, key);
+  return e ? e->line : s->problem_line;
+}
+
+gh_status study_overrides(const gh_study *s, const study_setting *setting, gh_override **list, int **line,
+                          int *count) {
+  const int tighter = setting->extra ? s->ntighter : 0, most = s->nbase + s->nknobs + tighter;
+  int n = 0;
+  *list = NULL;
+  if (line) *line = NULL;
+  GH_TRY(gh_alloc(s->ctx, (size_t)most, sizeof **list, list));
+  gh_status status = line ? gh_alloc(s->ctx, (size_t)most, sizeof **line, line) : GH_OK;
+  if (status != GH_OK) {
+    free(*list);
+    return status;
+  }
+  for (int k = 0; k < most; k++) {
+    const char *key = k < s->nbase               ? s->base[k].key
+                      : k < s->nbase + s->nknobs ? s->knobs[k - s->nbase].name
+                                                 : s->tighter[k - s->nbase - s->nknobs].key;
+    bool known = false;
+    for (int j = 0; j < n; j++) known = known || strcmp((*list)[j].key, key) == 0;
+    if (known) continue;
+    if (line) (*line)[n] = line_of(s, setting, key);
+    (*list)[n++] = (gh_override){.key = key, .value = study_value(s, setting, key)};
+  }
+  *count = n;
+  return GH_OK;
+}
+
+static bool same_value(const char *a, const char *b) {
+  double x, y;
+  return strcmp(a, b) == 0 || (gh_parse_number(a, &x) && gh_parse_number(b, &y) && x == y);
+}
+
+/* What the reference sets is no knob, and another value than in all runs. */
+static bool beside(const gh_study *s, const study_entry *e) {
+  const study_entry *base = find_entry(s->base, s->nbase, e->key);
+  return find_knob(s, e->key) < 0 && !(base && same_value(base->value, e->value));
+}
+
+/* ---- names ---- */
+
+static void add(char *text, size_t size, const char *key, const char *value) {
+  size_t used = strlen(text);
+  snprintf(text + used, size - used, "%s%s%s%s", used ? ", " : "", key, *key ? " " : "", value);
+}
+
+static const char *last_part(const char *path) {
+  const char *slash = strrchr(path, '/');
+  return slash ? slash + 1 : path;
+}
+
+void study_run_name(const gh_study *s, int setting, int member, char *text, size_t size) {
+  const study_setting *one = s->settings + setting;
+  *text = 0;
+  for (int k = 0; k < s->nknobs; k++) add(text, size, s->knobs[k].name, one->value[k]);
+  if (*one->also) add(text, size, "", one->also);
+  if (member >= 0 && one->nruns > 1) add(text, size, "", last_part(one->files[member]));
+}
+
+/* ---- combinations ---- */
+
+static gh_status make(gh_study *s, study_setting *one) {
+  GH_TRY(gh_alloc(s->ctx, (size_t)s->nknobs, sizeof *one->value, &one->value));
+  return gh_alloc(s->ctx, (size_t)s->nknobs, sizeof *one->choice, &one->choice);
+}
+
+/* The setting with this number: the last knob is the fastest. */
+static gh_status combine(gh_study *s, int number, study_setting *one) {
+  GH_TRY(make(s, one));
+  for (int k = s->nknobs - 1; k >= 0; k--) {
+    const study_knob *knob = s->knobs + k;
+    one->choice[k] = number % knob->nvalues;
+    number /= knob->nvalues;
+    GH_TRY(study_copy(s->ctx, knob->value[one->choice[k]], &one->value[k]));
+  }
+  one->reference = -1;
+  return study_copy(s->ctx, "", &one->also);
+}
+
+static gh_status count_rows(gh_study *s, int *rows) {
+  double product = 1;
+  for (int k = 0; k < s->nknobs; k++) product *= s->knobs[k].nvalues;
+  if (product > MOST_SETTINGS)
+    return gh_fail(s->ctx, GH_INPUT, "%s:%d: %.0f combinations of values, at most %d are possible", s->path,
+                   s->knobs[0].line, product, MOST_SETTINGS);
+  *rows = (int)product;
+  return GH_OK;
+}
+
+/* ---- references ---- */
+
+/* The value of a knob in the reference of a row. */
+static const char *tightened(const gh_study *s, const study_setting *row, int knob) {
+  const study_entry *e = find_entry(s->tighter, s->ntighter, s->knobs[knob].name);
+  return e ? e->value : row->value[knob];
+}
+
+static gh_status make_reference(gh_study *s, int row, study_setting *one) {
+  char also[1024] = "";
+  GH_TRY(make(s, one));
+  for (int k = 0; k < s->nknobs; k++) {
+    const char *value = tightened(s, s->settings + row, k);
+    one->choice[k] = -1;
+    for (int j = 0; j < s->knobs[k].nvalues; j++)
+      if (same_value(s->knobs[k].value[j], value)) one->choice[k] = j;
+    GH_TRY(study_copy(s->ctx, value, &one->value[k]));
+  }
+  for (int k = 0; k < s->ntighter; k++)
+    if (beside(s, s->tighter + k)) {
+      size_t used = strlen(also);
+      snprintf(also + used, sizeof also - used, "%s%s: %s", used ? ", " : "", s->tighter[k].key,
+               s->tighter[k].value);
+    }
+  one->extra = true;
+  return study_copy(s->ctx, also, &one->also);
+}
+
+/* Whether setting k, which is a row or a reference, is the reference of a row. */
+static bool is_reference(const gh_study *s, int k, int row, bool with_more) {
+  const study_setting *one = s->settings + k;
+  if (with_more && !one->extra) return false;
+  for (int j = 0; j < s->nknobs; j++)
+    if (!same_value(one->value[j], tightened(s, s->settings + row, j))) return false;
+  return true;
+}
+
+static gh_status add_references(gh_study *s, int rows) {
+  bool with_more = false;
+  for (int k = 0; k < s->ntighter; k++) with_more = with_more || beside(s, s->tighter + k);
+  for (int row = 0; row < rows; row++) {
+    int found = -1;
+    for (int k = 0; k < s->nsettings && found < 0; k++)
+      if (is_reference(s, k, row, with_more)) found = k;
+    if (found < 0) {
+      found = s->nsettings++;
+      GH_TRY(make_reference(s, row, s->settings + found));
+      s->settings[found].reference = found;
+    }
+    s->settings[row].reference = found;
+  }
+  return GH_OK;
+}
+
+/* ---- members ---- */
+
+/* A text without the quotes that it may need in YAML. */
+static gh_status plain_text(gh_study *s, const char *value, char **text) {
+  gh_yaml *doc;
+  const char *word;
+  GH_TRY(gh_yaml_parse(s->ctx, "packing", value, &doc));
+  gh_status status = gh_yaml_text(gh_yaml_root(doc), "a pattern of file names", &word);
+  if (status == GH_OK) status = study_copy(s->ctx, word, text);
+  gh_yaml_destroy(&doc);
+  return status;
+}
+
+/* Files that fit the pattern, ascending; at least one. */
+static gh_status find_files(gh_study *s, const char *pattern, study_setting *one) {
+  glob_t found = {0};
+  char *path = gh_path_join(s->folder, pattern);
+  if (!path) return gh_fail(s->ctx, GH_MEMORY, "no memory for a path");
+  int code = glob(path, 0, NULL, &found);
+  free(path);
+  gh_status status = code == GLOB_NOMATCH ? gh_fail(s->ctx, GH_INPUT, "no file fits this pattern")
+                     : code != 0          ? gh_fail(s->ctx, GH_MEMORY, "no memory for a list of files")
+                                          : GH_OK;
+  if (status == GH_OK) status = gh_alloc(s->ctx, found.gl_pathc, sizeof *one->files, &one->files);
+  if (status == GH_OK) one->nruns = (int)found.gl_pathc;
+  for (int k = 0; k < one->nruns && status == GH_OK; k++)
+    status = study_copy(s->ctx, found.gl_pathv[k], &one->files[k]);
+  globfree(&found);
+  return status;
+}
+
+static gh_status find_members(gh_study *s, study_setting *one) {
+  const char *value = study_value(s, one, "packing");
+  char *pattern = NULL;
+  if (!value) {
+    one->nruns = 1;
+    return gh_alloc(s->ctx, 1, sizeof *one->runs, &one->runs);
+  }
+  gh_status status = plain_text(s, value, &pattern);
+  if (status == GH_OK) status = find_files(s, pattern, one);
+  free(pattern);
+  if (status == GH_INPUT)
+    return gh_prefix(s->ctx, status, "%s:%d: packing: %s: ", s->path, line_of(s, one, "packing"), value);
+  GH_TRY(status);
+  GH_TRY(gh_alloc(s->ctx, (size_t)one->nruns, sizeof *one->runs, &one->runs));
+  for (int k = 0; k < one->nruns; k++) one->runs[k].packing = one->files[k];
+  return GH_OK;
+}
+
+gh_status study_plan(gh_study *s) {
+  int rows = 0;
+  GH_TRY(count_rows(s, &rows));
+  GH_TRY(gh_alloc(s->ctx, 2 * (size_t)rows, sizeof *s->settings, &s->settings));
+  for (int k = 0; k < rows; k++) {
+    s->nsettings = k + 1;
+    GH_TRY(combine(s, k, s->settings + k));
+  }
+  if (s->reference == STUDY_SETTING) GH_TRY(add_references(s, rows));
+  for (int k = 0; k < s->nsettings; k++) GH_TRY(find_members(s, s->settings + k));
+  return GH_OK;
+}
+
+void study_curve_free(study_curve *curve) {
+  free(curve->t);
+  free(curve->value);
+  *curve = (study_curve){0};
+}
+
+void study_settings_destroy(gh_study *s) {
+  for (int k = 0; k < s->nsettings; k++) {
+    study_setting *one = s->settings + k;
+    for (int j = 0; j < s->nknobs && one->value; j++) free(one->value[j]);
+    for (int j = 0; j < one->nruns; j++) {
+      if (one->runs) study_curve_free(&one->runs[j].curve);
+      if (one->files) free(one->files[j]);
+    }
+    free(one->value);
+    free(one->choice);
+    free(one->also);
+    free(one->files);
+    free(one->runs);
+  }
+  free(s->settings);
+}

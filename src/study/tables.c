@@ -1,0 +1,127 @@
+/* study.csv, curves.csv, study.md, and the terminal. SPDX-License-Identifier: GPL-2.0-or-later */
+#include "study/judge.h"
+
+#include <string.h>
+
+/* A field of CSV, in quotes where it has a comma or quotes in it (RFC 4180). */
+static void print_field(gh_text *out, const char *text) {
+  if (!strpbrk(text, ",\"\n")) {
+    gh_text_print(out, "%s", text);
+    return;
+  }
+  gh_text_print(out, "\"");
+  for (; *text; text++) gh_text_print(out, *text == '"' ? "\"\"" : "%c", *text);
+  gh_text_print(out, "\"");
+}
+
+static void print_setting(const gh_study *s, int k, gh_text *out) {
+  gh_text_print(out, "%d", k);
+  for (int j = 0; j < s->nknobs; j++) {
+    gh_text_print(out, ",");
+    print_field(out, s->settings[k].value[j]);
+  }
+}
+
+static void print_head(const gh_study *s, gh_text *out) {
+  gh_text_print(out, "setting");
+  for (int j = 0; j < s->nknobs; j++) {
+    gh_text_print(out, ",");
+    print_field(out, s->knobs[j].name);
+  }
+}
+
+/* ---- study.csv ---- */
+
+static const char *outcome(const gh_study *s, int k) {
+  const study_setting *g = s->settings + k;
+  int finished = 0, members = s->verdict->row[k].members;
+  for (int m = 0; m < g->nruns; m++) finished += g->runs[m].finished;
+  if (finished < g->nruns) return "unfinished";
+  if (members < g->nruns) return members > 0 ? "partly failed" : "failed";
+  return study_is_reference(s, k) ? "reference" : "done";
+}
+
+void study_write_csv(const gh_study *s, gh_text *out) {
+  if (!s->verdict) return;
+  print_head(s, out);
+  gh_text_print(out, ",also,reference,outcome,runs,members,points");
+  for (int q = 0; q < s->nquantities; q++) {
+    const char *name = s->quantities[q].name;
+    gh_text_print(out, ",%s_l2,%s_largest,%s_single,%s_confidence,%s_chance", name, name, name, name, name);
+  }
+  gh_text_print(out,
+                ",wall,core,force_evaluations,pair_evaluations,factorisations,evaluations,iterations,cuts,"
+                "jumps,residual,energy_defect,pareto,pareto_count,order\n");
+  for (int k = 0; k < s->nsettings; k++) {
+    const study_judged *r = s->verdict->row + k;
+    print_setting(s, k, out);
+    gh_text_print(out, ",");
+    print_field(out, s->settings[k].also ? s->settings[k].also : "");
+    gh_text_print(out, ",%d,%s,%d,%d,%d", s->settings[k].reference, outcome(s, k), s->settings[k].nruns,
+                  r->members, r->points);
+    for (int q = 0; q < s->nquantities; q++)
+      gh_text_print(out, ",%.17g,%.17g,%.17g,%.17g,%.17g", r->l2[q], r->largest[q], r->single[q],
+                    r->confidence[q], r->chance[q]);
+    gh_text_print(out, ",%.17g,%.17g,%.17g,%.17g,%.17g,%.17g,%.17g,%.17g,%.17g,%.17g,%.17g,%d,%d,%.17g\n",
+                  r->wall, r->core, r->force_evaluations, r->pair_evaluations, r->factorisations,
+                  r->evaluations, r->iterations, r->cuts, r->jumps, r->residual, r->energy_defect, r->pareto,
+                  r->pareto_count, r->order);
+  }
+}
+
+/* ---- curves.csv ---- */
+
+void study_write_curves(const gh_study *s, gh_text *out) {
+  print_head(s, out);
+  gh_text_print(out, ",t,members");
+  for (int c = 0; c < s->ncolumns; c++) gh_text_print(out, ",%s,%s_deviation", s->column[c], s->column[c]);
+  gh_text_print(out, "\n");
+  for (int k = 0; k < s->nsettings; k++) {
+    const study_curve *first = study_first_curve(s->settings + k);
+    for (int row = 0; first && row < first->n; row++) {
+      int members = study_members_at(s, s->settings + k, first->t[row], 0).n;
+      if (members == 0) continue;
+      print_setting(s, k, out);
+      gh_text_print(out, ",%.17g,%d", first->t[row], members);
+      for (int c = 0; c < s->ncolumns; c++) {
+        study_sample x = study_members_at(s, s->settings + k, first->t[row], c);
+        gh_text_print(out, ",%.17g,%.17g", x.mean, x.deviation);
+      }
+      gh_text_print(out, "\n");
+    }
+  }
+}
+
+/* ---- for people ---- */
+
+void study_write_markdown(const gh_study *s, gh_text *out) {
+  if (!s->verdict) return;
+  gh_text_print(out, "# ");
+  study_print_escaped(out, STUDY_MARKDOWN, s->title ? s->title : "Study");
+  gh_text_print(out, "\n\n");
+  study_print_subject(s, STUDY_MARKDOWN, out);
+  gh_text_print(out, "\n");
+  study_print_sentences(s, STUDY_MARKDOWN, "- ", out);
+  gh_text_print(out, "\n");
+  study_print_rows(s, STUDY_MARKDOWN, out);
+  gh_text_print(out, "\n");
+  study_print_notes(s, out);
+  if (s->order < 0 || s->verdict->nfits == 0) return;
+  gh_text_print(out, "\n");
+  study_print_orders(s, STUDY_MARKDOWN, out);
+}
+
+void gh_study_print(const gh_study *s, gh_text *out) {
+  if (!s->verdict) return;
+  gh_text_print(out, "%s%s", s->title ? s->title : "", s->title ? "\n" : "");
+  study_print_subject(s, STUDY_PLAIN, out);
+  gh_text_print(out, "\n");
+  study_print_sentences(s, STUDY_PLAIN, "", out);
+  gh_text_print(out, "\n");
+  study_print_rows(s, STUDY_PLAIN, out);
+  gh_text_print(out, "\n");
+  study_print_notes(s, out);
+  if (s->order < 0 || s->verdict->nfits == 0) return;
+  gh_text_print(out, "\n");
+  study_print_orders(s, STUDY_PLAIN, out);
+}
