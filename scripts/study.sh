@@ -38,6 +38,12 @@ for n in $sizes; do
   # shellcheck disable=SC2086
   "$out/granhom" pack $grains --seed 1 --ensemble 15 -o "$packings/p$n.data" >"$packings/p$n.log" 2>&1
 done
+# the slope: five packings; twice and three times as many elements each way
+[ -e "$packings/s700-005.data" ] || "$out/granhom" pack scenes/packings/slope700.yaml --ensemble 5 -o "$packings/s700.data" >"$packings/s700.log" 2>&1
+mkdir -p scenes/studies/meshes
+for finer in 2 3; do
+  /usr/bin/env python3 scenes/slope/make_mesh.py $finer >scenes/studies/meshes/slope-$finer.msh
+done
 
 for name in $studies; do
   option=

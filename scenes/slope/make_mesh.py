@@ -1,14 +1,17 @@
-"""The mesh of the slope, Gmsh MSH 2.2 to standard output: make_mesh.py > slope.msh
+"""The mesh of the slope, Gmsh MSH 2.2 to standard output: make_mesh.py [FINER] > slope.msh
 
-38 x 10 bilinear quadrilaterals between a level base and a surface that has a crest, a slope of 1 : 2 and a toe. Columns are 3.875 m
+FINER (default 1) times 38 x 10 bilinear quadrilaterals between a level base and a surface that has a crest, a slope of 1 : 2 and a toe. Columns are 3.875 m
 wide: the footing of 23.25 m covers six of them, and its force acts one column off its middle, on the side of the slope.
 Python's own library only. SPDX-License-Identifier: GPL-2.0-or-later"""
-STEP = 3.875               # width of a column, m
-CREST, SLOPE, TOE = 16, 10, 12  # columns
-ROWS = 10
-HEIGHT = 10 * STEP         # of the crest
+import sys
+
+FINER = int(sys.argv[1]) if len(sys.argv) > 1 else 1
+STEP = 3.875 / FINER       # width of a column, m
+CREST, SLOPE, TOE = 16 * FINER, 10 * FINER, 12 * FINER  # columns
+ROWS = 10 * FINER
+HEIGHT = ROWS * STEP       # of the crest
 DROP = SLOPE * STEP / 2
-FOOTING = range(9, 15)     # columns under the footing: one column of free crest to the slope
+FOOTING = range(9 * FINER, 15 * FINER)  # columns under the footing: one column of free crest to the slope
 COLUMNS = CREST + SLOPE + TOE
 SETS = ("bottom", "right", "toe", "slope", "crest", "footing", "left")
 

@@ -77,5 +77,7 @@ gh_status study_scene_run(study_problem *p, const study_stop *stop, study_run *r
   run->iterations = sum.iterations;
   run->cuts = sum.cuts;
   run->jumps = sum.jumps;
+  run->residual = sum.energy.micro_residual;
+  run->energy_defect = gh_energy_defect(&sum.energy);
   return status;
 }
