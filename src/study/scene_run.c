@@ -77,5 +77,9 @@ gh_status study_scene_run(study_problem *p, const study_stop *stop, study_run *r
   run->iterations = sum.iterations;
   run->cuts = sum.cuts;
   run->jumps = sum.jumps;
+  if (sum.increments > 0) {
+    run->residual = sum.energy.residual;
+    run->energy_defect = gh_energy_defect(&sum.energy);
+  }
   return status;
 }
