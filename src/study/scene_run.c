@@ -77,7 +77,9 @@ gh_status study_scene_run(study_problem *p, const study_stop *stop, study_run *r
   run->iterations = sum.iterations;
   run->cuts = sum.cuts;
   run->jumps = sum.jumps;
-  run->residual = sum.energy.micro_residual;
-  run->energy_defect = gh_energy_defect(&sum.energy);
+  if (sum.increments > 0) {
+    run->residual = sum.energy.residual;
+    run->energy_defect = gh_energy_defect(&sum.energy);
+  }
   return status;
 }
