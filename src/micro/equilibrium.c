@@ -267,6 +267,10 @@ static gh_status polish(gh_rve *r, bool *done, bool *again) {
   *done = false;
   *again = true;
   const double fall = r->relaxes ? 0.5 : 0.95; /* rotations alone have one equilibrium: any fall will do */
+  if (r->coupled && r->relaxes && !only_rolls(r)) { /* nine times of ten the matrix is singular */
+    *again = false;
+    return GH_OK;
+  }
   GH_TRY(gh_engine_get(r->engine, r->x, r->theta));
   for (;;) {
     bool good, falls;
