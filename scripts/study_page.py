@@ -13,6 +13,20 @@ with open(page) as f:
     text = f.read()
 
 
+def folded(lines):
+    """Tables of more than a dozen rows open on demand."""
+    text, block = [], []
+    for line in lines + [""]:
+        if line.startswith("|"):
+            block.append(line)
+            continue
+        if len(block) > 14:
+            block = ["<details><summary>Table: %d settings</summary>" % (len(block) - 2), "", *block, "", "</details>"]
+        text += block + [line]
+        block = []
+    return "\n".join(text)
+
+
 def table(match):
     path = os.path.join(out, match[2], "study.md")
     if not os.path.exists(path):
@@ -22,7 +36,7 @@ def table(match):
         lines = f.read().strip().splitlines()
     if lines and lines[0].startswith("# "):  # the page has headings of its own
         lines = lines[1:]
-    return match[1] + "\n\n" + "\n".join(lines).strip() + "\n\n" + match[3]
+    return match[1] + "\n\n" + folded(lines).strip() + "\n\n" + match[3]
 
 
 text = re.sub(r"(<!-- begin study ([\w-]+) -->).*?(<!-- end study \2 -->)", table, text, flags=re.S)
