@@ -234,6 +234,57 @@ static void test_nothing(void **state) {
   made_destroy(s);
 }
 
+/* ---- values in quotes ---- */
+
+static void test_plain(void **state) {
+  static const char *const values[][2] = {
+      {"1e-4", "1e-4"},
+      {"", ""},
+      {"\"packings/p150-00[1-3].data\"", "packings/p150-00[1-3].data"},
+      {"\"a \\\"b\\\" \\\\ c\"", "a \"b\" \\ c"},
+      {"\"\"", ""},
+      {"\"", "\""},
+      {"\"a\", \"b\"", "\"a\", \"b\""}, /* not one text */
+      {"[\"a\"]", "[\"a\"]"},
+  };
+  char text[64];
+  (void)state;
+  for (size_t k = 0; k < sizeof values / sizeof *values; k++)
+    assert_string_equal(study_plain(values[k][0], text, sizeof text), values[k][1]);
+  assert_string_equal(study_plain("\"abcdef\"", text, 4), "abc");
+}
+
+/* Tables and sentences have the text, legends the name of the file. */
+static void test_quoted_values(void **state) {
+  gh_context *ctx = *state;
+  gh_study *s = made_study(ctx);
+  gh_text *t;
+  char name[64];
+  made_knob(s, "packing", VALUES("\"p/p150-00[1-3].data\"", "\"sand-0.5.data\"", "p/sand-0.25-*"));
+  made_settings(s, 1, 0);
+  for (int k = 0; k < 3; k++) run_with_error(s->settings[k].runs, 0.02 - 0.006 * k, 1 + k, 1000 * (k + 1));
+  made_curve(&s->given, 11, 1, path, NULL);
+  OK(study_judge(s));
+  OK(gh_text_create(ctx, &t));
+  study_write_markdown(s, t);
+  has_line(ctx, t,
+           "3 settings of made.yaml (packing p/p150-00[1-3].data, sand-0.5.data, p/sand-0.25-\\*), compared "
+           "with the truth.");
+  has_line(ctx, t, "| p/p150-00[1-3].data | 2.00e-2 | 1.13e-2 | 0 | 1.00 | 1000 | both |");
+  has_line(ctx, t,
+           "- For 1 % of the stress: packing p/sand-0.25-\\* (error 8.00e-3, 3.00 s of one core, 3000 pair "
+           "evaluations).");
+  has_no(t, "\"");
+  study_legend(s, 0, -1, name, sizeof name);
+  assert_string_equal(name, "p150-00[1-3]");
+  study_short_value(s, 1, 0, name, sizeof name);
+  assert_string_equal(name, "sand-0.5");
+  study_short_value(s, 2, 0, name, sizeof name);
+  assert_string_equal(name, "sand-0.25-*");
+  gh_text_destroy(&t);
+  made_destroy(s);
+}
+
 /* ---- CSV ---- */
 
 static void temporary(char path[64]) {
@@ -308,12 +359,12 @@ static void test_csv(void **state) {
   made_destroy(s);
 }
 
-/* Values with commas and quotes stand in quotes. */
+/* Values with commas stand in quotes; those that a value has in YAML are no part of it. */
 static void test_csv_quotes(void **state) {
   gh_context *ctx = *state;
   gh_study *s = made_study(ctx);
   gh_text *t;
-  made_knob(s, "mesh", VALUES("[1, 2]", "\"a\""));
+  made_knob(s, "mesh", VALUES("[1, 2]", "\"a\"", "\"b\\\"c\""));
   made_settings(s, 1, 0);
   made_curve(&s->given, 11, 1, path, NULL);
   OK(study_judge(s));
@@ -321,7 +372,8 @@ static void test_csv_quotes(void **state) {
   study_write_csv(s, t);
   const char *text = gh_text_get(t, NULL);
   assert_non_null(strstr(text, "\n0,\"[1, 2]\",,-1,unfinished,1,0,0,"));
-  assert_non_null(strstr(text, "\n1,\"\"\"a\"\"\",,-1,unfinished,"));
+  assert_non_null(strstr(text, "\n1,a,,-1,unfinished,"));
+  assert_non_null(strstr(text, "\n2,\"b\"\"c\",,-1,unfinished,"));
   gh_text_destroy(&t);
   made_destroy(s);
 }
@@ -452,6 +504,7 @@ int main(void) {
   const struct CMUnitTest tests[] = {TEST(test_markdown),       TEST(test_print),
                                      TEST(test_ensemble_text),  TEST(test_order_text),
                                      TEST(test_nothing),        TEST(test_csv),
+                                     TEST(test_plain),          TEST(test_quoted_values),
                                      TEST(test_csv_quotes),     TEST(test_pictures_tolerance),
                                      TEST(test_pictures_order), TEST(test_pictures_size),
                                      TEST(test_pictures_zero)};
