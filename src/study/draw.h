@@ -57,4 +57,59 @@ void study_plot_curves(const study_plot *p, gh_text *t);
 /* Each point's value of the knob beside it where there is room; after the axes. */
 gh_status study_plot_labels(const study_plot *p, gh_text *t);
 
+/* ---- draw_rows.c: which curves stand together in curves.png ---- */
+
+typedef struct study_line {
+  const char *colour;
+  int dash;
+  double width;
+} study_line;
+
+/* Rows of panels. Few curves, or those of one knob alone, are one row without a name. More of them are a row
+ * for each group (combination of the knobs beside the series) with the series' values as its curves; below
+ * them, where groups are few, all groups for the last value of the series that all of them have. */
+typedef struct study_rows {
+  const gh_study *s;
+  bool grouped;
+  int ngroups, *first; /* a setting of each group */
+  int *group, *colour; /* nsettings: -1: it is not drawn, or is the reference of all */
+  int compared;        /* choice of the series in the last row; -1: there is no such row */
+  int extra;           /* a reference that is no row of the study but that of all; -1: there is none */
+} study_rows;
+
+/* The caller frees, also after a failure. ngroups 0: there is nothing to draw. */
+gh_status study_rows_plan(const gh_study *s, study_rows *r);
+void study_rows_free(study_rows *r);
+int study_rows_count(const study_rows *r);
+/* Whether a setting has a curve in a row, and how it looks. */
+bool study_rows_line(const study_rows *r, int row, int setting, study_line *line);
+/* What stands above a row: "periodic (reference: p2400-*)"; "". */
+void study_rows_name(const study_rows *r, int row, char name[STUDY_NAME]);
+/* There is a curve that comes from no run: a closed form, a file. */
+bool study_rows_given(const study_rows *r, study_line *line);
+
+/* ---- draw_key.c: names of the curves, below all panels ---- */
+
+enum { STUDY_KEY_LINE = 22, STUDY_ENTRIES = STUDY_COLOURS + 10 };
+
+typedef struct study_key {
+  int n, letters, left, width; /* letters: of the longest curve; left, width: pixels */
+  struct {
+    bool heading; /* begins a line; has no line of a curve */
+    char text[STUDY_NAME];
+    study_line line;
+  } entry[STUDY_ENTRIES];
+} study_key;
+
+/* Names are cut where they are wider than the key. */
+void study_key_plan(const study_rows *r, int left, int width, study_key *key);
+int study_key_height(const study_key *key);
+/* With its lower edge at `bottom` pixels, in a picture of that size: labels and arrows. */
+void study_key_print(const study_key *key, int bottom, int picture_width, int picture_height, gh_text *t);
+
+/* ---- draw_curves.c ---- */
+
+/* What gnuplot draws as curves.png, and its size; nothing where there is no curve. */
+gh_status study_curves_script(const gh_study *s, gh_text *t, int *width, int *height);
+
 #endif

@@ -1,4 +1,5 @@
 /* What a study would run, in words. SPDX-License-Identifier: GPL-2.0-or-later */
+#include "study/judge.h"
 #include "study/parts.h"
 
 #include <string.h>
@@ -7,13 +8,19 @@ static void knobs(const gh_study *s, gh_text *out) {
   for (int k = 0; k < s->nknobs; k++) {
     const study_knob *knob = s->knobs + k;
     gh_text_print(out, "  varied: %s:", knob->name);
-    for (int j = 0; j < knob->nvalues; j++) gh_text_print(out, "%s %s", j ? "," : "", knob->value[j]);
+    for (int j = 0; j < knob->nvalues; j++) {
+      gh_text_print(out, "%s ", j ? "," : "");
+      study_print_plain(out, STUDY_PLAIN, knob->value[j]);
+    }
     gh_text_print(out, "%s%s\n", k == s->series ? "; points of a curve" : "",
                   k == s->order ? "; order of convergence" : "");
   }
-  for (int k = 0; k < s->nbase; k++)
-    if (strcmp(s->base[k].key, "packing") != 0)
-      gh_text_print(out, "  set: %s: %s\n", s->base[k].key, s->base[k].value);
+  for (int k = 0; k < s->nbase; k++) {
+    if (strcmp(s->base[k].key, "packing") == 0) continue;
+    gh_text_print(out, "  set: %s: ", s->base[k].key);
+    study_print_plain(out, STUDY_PLAIN, s->base[k].value);
+    gh_text_print(out, "\n");
+  }
 }
 
 /* Packings of the settings, where the study names some. */

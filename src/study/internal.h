@@ -99,6 +99,9 @@ struct gh_study {
   int reference_line;
 };
 
+/* A value as people read it: a text that stands in quotes for YAML's sake without them. Returns `text`. */
+const char *study_plain(const char *value, char *text, size_t size);
+
 /* ---- judge.c and below it: what the runs say (no file is read here, nothing is run) ---- */
 
 /* One setting against its reference. NAN where there is nothing to compare. */

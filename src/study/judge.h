@@ -78,7 +78,9 @@ int study_varied_knob(const gh_study *s, int i);
 /* "micro.tolerance 1e-4, micro.boundary periodic": the knobs that are varied, but `except`, and what a
  * reference sets beside them. */
 void study_name(const gh_study *s, int setting, int except, char *text, size_t size);
-/* A knob's value for a legend: packings without folder and ending. */
+/* A value as study_plain has it, escaped. */
+void study_print_plain(gh_text *out, study_style style, const char *value);
+/* A knob's value for a legend, without quotes: packings without folder and `.data`. */
 void study_short_value(const gh_study *s, int setting, int knob, char *text, size_t size);
 /* For a picture: like study_name with short values, and names where a value does not speak for itself. */
 void study_legend(const gh_study *s, int setting, int except, char *text, size_t size);

@@ -26,7 +26,7 @@ static bool order_cell(const study_table *t, int row, int column, char text[STUD
   const struct study_fit *f = row < 0 ? NULL : s->verdict->fits + row;
   int knob = 0, others = other_knobs(s, &knob, column), what = column - others;
   *text = 0;
-  if (what < 0) snprintf(text, STUDY_CELL, "%s", f ? s->settings[f->first].value[knob] : s->knobs[knob].name);
+  if (what < 0) study_plain(f ? s->settings[f->first].value[knob] : s->knobs[knob].name, text, STUDY_CELL);
   else if (!f && what == 0) snprintf(text, STUDY_CELL, "order in %s", s->knobs[s->order].name);
   else if (!f) snprintf(text, STUDY_CELL, "%s", heads[what]);
   else if (what == 0) snprintf(text, STUDY_CELL, "%s", study_order_word(f->order).text);

@@ -141,14 +141,14 @@ static gh_status read_reference_file(gh_study *s, node n) {
 }
 
 static gh_status read_tighter(gh_study *s, node set) {
-  char words[512] = "the same with ";
+  char words[512] = "the same with ", value[256];
   s->reference = STUDY_SETTING;
   GH_TRY(read_entries(s, set, "set", &s->tighter, &s->ntighter));
   if (s->ntighter == 0) return gh_yaml_fail(set, "set has no key: nothing would differ from the reference");
   for (int k = 0; k < s->ntighter; k++) {
     size_t used = strlen(words);
     snprintf(words + used, sizeof words - used, "%s%s %s", k ? ", " : "", s->tighter[k].key,
-             s->tighter[k].value);
+             study_plain(s->tighter[k].value, value, sizeof value));
   }
   return study_copy(s->ctx, words, &s->reference_text);
 }

@@ -124,7 +124,7 @@ static void cell(const gh_study *s, kind what, int index, int k, char text[STUDY
   study_word w = {""};
   switch (what) {
   case KNOB:
-    snprintf(text, STUDY_CELL, "%s", s->settings[k].value[index]);
+    study_plain(s->settings[k].value[index], text, STUDY_CELL);
     return;
   case ERROR:
     error_cell(s, k, text);

@@ -135,7 +135,7 @@ void study_print_subject(const gh_study *s, study_style style, gh_text *out) {
     gh_text_print(out, "%s%s ", k == 0 ? " (" : "; ", s->knobs[k].name);
     for (int v = 0; v < s->knobs[k].nvalues; v++) {
       gh_text_print(out, "%s", v ? ", " : "");
-      study_print_escaped(out, style, s->knobs[k].value[v]);
+      study_print_plain(out, style, s->knobs[k].value[v]);
     }
   }
   gh_text_print(out, "%s", s->nknobs > 0 ? ")" : "");

@@ -91,7 +91,9 @@ static const char *last_part(const char *path) {
 void study_run_name(const gh_study *s, int setting, int member, char *text, size_t size) {
   const study_setting *one = s->settings + setting;
   *text = 0;
-  for (int k = 0; k < s->nknobs; k++) add(text, size, s->knobs[k].name, one->value[k]);
+  char value[256];
+  for (int k = 0; k < s->nknobs; k++)
+    add(text, size, s->knobs[k].name, study_plain(one->value[k], value, sizeof value));
   if (*one->also) add(text, size, "", one->also);
   if (member >= 0 && one->nruns > 1) add(text, size, "", last_part(one->files[member]));
 }
@@ -147,8 +149,9 @@ static gh_status make_reference(gh_study *s, int row, study_setting *one) {
   for (int k = 0; k < s->ntighter; k++)
     if (beside(s, s->tighter + k)) {
       size_t used = strlen(also);
+      char value[256];
       snprintf(also + used, sizeof also - used, "%s%s: %s", used ? ", " : "", s->tighter[k].key,
-               s->tighter[k].value);
+               study_plain(s->tighter[k].value, value, sizeof value));
     }
   one->extra = true;
   return study_copy(s->ctx, also, &one->also);

@@ -17,8 +17,10 @@ static void print_field(gh_text *out, const char *text) {
 static void print_setting(const gh_study *s, int k, gh_text *out) {
   gh_text_print(out, "%d", k);
   for (int j = 0; j < s->nknobs; j++) {
+    char text[STUDY_CELL];
+    const char *value = s->settings[k].value[j];
     gh_text_print(out, ",");
-    print_field(out, s->settings[k].value[j]);
+    print_field(out, strlen(value) < sizeof text ? study_plain(value, text, sizeof text) : value);
   }
 }
 

@@ -51,11 +51,48 @@ study_word study_goal_word(double goal) {
 
 /* ---- names ---- */
 
-void study_print_escaped(gh_text *out, study_style style, const char *text) {
-  for (; *text; text++)
-    gh_text_print(out, style == STUDY_MARKDOWN && strchr("*|<`\\", *text) ? "\\%c" : "%c",
-                  *text == '\n' ? ' ' : *text);
+static void print_letter(gh_text *out, study_style style, char letter) {
+  gh_text_print(out, style == STUDY_MARKDOWN && strchr("*|<`\\", letter) ? "\\%c" : "%c",
+                letter == '\n' ? ' ' : letter);
 }
+
+void study_print_escaped(gh_text *out, study_style style, const char *text) {
+  for (; *text; text++) print_letter(out, style, *text);
+}
+
+/* ---- values without quotes ---- */
+
+/* What stands between the quotes of a value that is one text in quotes; else all of it. */
+static const char *between_quotes(const char *value, const char **end) {
+  const char *last = value + 1;
+  *end = value + strlen(value);
+  if (*value != '"') return value;
+  while (*last && *last != '"') last += *last == '\\' && last[1] ? 2 : 1;
+  if (*last != '"' || last[1]) return value;
+  *end = last;
+  return value + 1;
+}
+
+/* The next letter; a backslash before quotes and backslashes is passed over between quotes. */
+static char next_letter(const char **at, bool quoted) {
+  if (quoted && **at == '\\' && ((*at)[1] == '"' || (*at)[1] == '\\')) ++*at;
+  return *(*at)++;
+}
+
+const char *study_plain(const char *value, char *text, size_t size) {
+  const char *end, *at = between_quotes(value, &end);
+  size_t n = 0;
+  for (const bool quoted = at > value; at < end && n + 1 < size;) text[n++] = next_letter(&at, quoted);
+  text[n] = 0;
+  return text;
+}
+
+void study_print_plain(gh_text *out, study_style style, const char *value) {
+  const char *end, *at = between_quotes(value, &end);
+  for (const bool quoted = at > value; at < end;) print_letter(out, style, next_letter(&at, quoted));
+}
+
+/* ---- names of settings ---- */
 
 __attribute__((format(printf, 3, 4))) static void append(char *text, size_t size, const char *format, ...) {
   size_t n = strlen(text);
@@ -79,22 +116,22 @@ int study_varied_knob(const gh_study *s, int i) {
 
 void study_name(const gh_study *s, int setting, int except, char *text, size_t size) {
   const study_setting *g = s->settings + setting;
+  char value[STUDY_CELL];
   *text = 0;
   for (int k = 0; k < s->nknobs; k++)
     if (k != except && (varied(s, k) || g->choice[k] < 0))
-      append(text, size, "%s%s %s", *text ? ", " : "", s->knobs[k].name, g->value[k]);
+      append(text, size, "%s%s %s", *text ? ", " : "", s->knobs[k].name,
+             study_plain(g->value[k], value, sizeof value));
   if (g->also && *g->also) append(text, size, "%s%s", *text ? ", " : "", g->also);
 }
 
 void study_short_value(const gh_study *s, int setting, int knob, char *text, size_t size) {
-  const char *value = s->settings[setting].value[knob], *slash = strrchr(value, '/');
-  if (strcmp(s->knobs[knob].name, "packing") != 0) {
-    snprintf(text, size, "%s", value);
-    return;
-  }
-  snprintf(text, size, "%s", slash ? slash + 1 : value);
-  char *dot = strrchr(text, '.');
-  if (dot && dot > text) *dot = 0;
+  char value[STUDY_CELL];
+  const char *slash = strrchr(study_plain(s->settings[setting].value[knob], value, sizeof value), '/');
+  bool file = strcmp(s->knobs[knob].name, "packing") == 0;
+  snprintf(text, size, "%s", file && slash ? slash + 1 : value);
+  size_t n = strlen(text);
+  if (file && n > 5 && strcmp(text + n - 5, ".data") == 0) text[n - 5] = 0;
 }
 
 void study_legend(const gh_study *s, int setting, int except, char *text, size_t size) {

@@ -1,6 +1,7 @@
 /* Tables, sentences and pictures of studies whose curves are known. SPDX-License-Identifier: GPL-2.0-or-later
  * STUDY_PICTURES=DIR keeps the pictures there. */
 #include "study_help.h"
+#include "study/draw.h"
 
 #include <sys/stat.h>
 #include <unistd.h>
@@ -234,6 +235,57 @@ static void test_nothing(void **state) {
   made_destroy(s);
 }
 
+/* ---- values in quotes ---- */
+
+static void test_plain(void **state) {
+  static const char *const values[][2] = {
+      {"1e-4", "1e-4"},
+      {"", ""},
+      {"\"packings/p150-00[1-3].data\"", "packings/p150-00[1-3].data"},
+      {"\"a \\\"b\\\" \\\\ c\"", "a \"b\" \\ c"},
+      {"\"\"", ""},
+      {"\"", "\""},
+      {"\"a\", \"b\"", "\"a\", \"b\""}, /* not one text */
+      {"[\"a\"]", "[\"a\"]"},
+  };
+  char text[64];
+  (void)state;
+  for (size_t k = 0; k < sizeof values / sizeof *values; k++)
+    assert_string_equal(study_plain(values[k][0], text, sizeof text), values[k][1]);
+  assert_string_equal(study_plain("\"abcdef\"", text, 4), "abc");
+}
+
+/* Tables and sentences have the text, legends the name of the file. */
+static void test_quoted_values(void **state) {
+  gh_context *ctx = *state;
+  gh_study *s = made_study(ctx);
+  gh_text *t;
+  char name[64];
+  made_knob(s, "packing", VALUES("\"p/p150-00[1-3].data\"", "\"sand-0.5.data\"", "p/sand-0.25-*"));
+  made_settings(s, 1, 0);
+  for (int k = 0; k < 3; k++) run_with_error(s->settings[k].runs, 0.02 - 0.006 * k, 1 + k, 1000 * (k + 1));
+  made_curve(&s->given, 11, 1, path, NULL);
+  OK(study_judge(s));
+  OK(gh_text_create(ctx, &t));
+  study_write_markdown(s, t);
+  has_line(ctx, t,
+           "3 settings of made.yaml (packing p/p150-00[1-3].data, sand-0.5.data, p/sand-0.25-\\*), compared "
+           "with the truth.");
+  has_line(ctx, t, "| p/p150-00[1-3].data | 2.00e-2 | 1.13e-2 | 0 | 1.00 | 1000 | both |");
+  has_line(ctx, t,
+           "- For 1 % of the stress: packing p/sand-0.25-\\* (error 8.00e-3, 3.00 s of one core, 3000 pair "
+           "evaluations).");
+  has_no(t, "\"");
+  study_legend(s, 0, -1, name, sizeof name);
+  assert_string_equal(name, "p150-00[1-3]");
+  study_short_value(s, 1, 0, name, sizeof name);
+  assert_string_equal(name, "sand-0.5");
+  study_short_value(s, 2, 0, name, sizeof name);
+  assert_string_equal(name, "sand-0.25-*");
+  gh_text_destroy(&t);
+  made_destroy(s);
+}
+
 /* ---- CSV ---- */
 
 static void temporary(char path[64]) {
@@ -308,12 +360,12 @@ static void test_csv(void **state) {
   made_destroy(s);
 }
 
-/* Values with commas and quotes stand in quotes. */
+/* Values with commas stand in quotes; those that a value has in YAML are no part of it. */
 static void test_csv_quotes(void **state) {
   gh_context *ctx = *state;
   gh_study *s = made_study(ctx);
   gh_text *t;
-  made_knob(s, "mesh", VALUES("[1, 2]", "\"a\""));
+  made_knob(s, "mesh", VALUES("[1, 2]", "\"a\"", "\"b\\\"c\""));
   made_settings(s, 1, 0);
   made_curve(&s->given, 11, 1, path, NULL);
   OK(study_judge(s));
@@ -321,7 +373,8 @@ static void test_csv_quotes(void **state) {
   study_write_csv(s, t);
   const char *text = gh_text_get(t, NULL);
   assert_non_null(strstr(text, "\n0,\"[1, 2]\",,-1,unfinished,1,0,0,"));
-  assert_non_null(strstr(text, "\n1,\"\"\"a\"\"\",,-1,unfinished,"));
+  assert_non_null(strstr(text, "\n1,a,,-1,unfinished,"));
+  assert_non_null(strstr(text, "\n2,\"b\"\"c\",,-1,unfinished,"));
   gh_text_destroy(&t);
   made_destroy(s);
 }
@@ -423,6 +476,190 @@ static void test_pictures_size(void **state) {
   }
 }
 
+/* ---- panels and key of curves.png ---- */
+
+typedef struct panels {
+  int n, width, height;
+  double left[64], right[64], bottom[64], top[64], y[64][2];
+  double key; /* highest line of the key, as a share of the height */
+} panels;
+
+/* Reads them from the commands: a key that is too high, panels that are too small or overlap are failures. */
+static void read_panels(gh_context *ctx, gh_study *s, panels *p) {
+  gh_text *t;
+  double x, y;
+  *p = (panels){0};
+  OK(study_judge(s));
+  OK(gh_text_create(ctx, &t));
+  OK(study_curves_script(s, t, &p->width, &p->height));
+  for (const char *at = gh_text_get(t, NULL); at; at = strchr(at, '\n')) {
+    at += *at == '\n';
+    assert_true(p->n < 64);
+    sscanf(at, "set lmargin at screen %lf", &p->left[p->n]);
+    sscanf(at, "set rmargin at screen %lf", &p->right[p->n]);
+    sscanf(at, "set bmargin at screen %lf", &p->bottom[p->n]);
+    sscanf(at, "set tmargin at screen %lf", &p->top[p->n]);
+    sscanf(at, "set yrange [%lf:%lf]", &p->y[p->n][0], &p->y[p->n][1]);
+    if (sscanf(at, "set arrow from screen %lf, screen %lf", &x, &y) == 2) p->key = fmax(p->key, y);
+    p->n += strncmp(at, "plot ", 5) == 0;
+  }
+  gh_text_destroy(&t);
+  assert_true(p->width <= 1600);
+  for (int k = 0; k < p->n; k++) {
+    assert_true((p->right[k] - p->left[k]) * p->width > 249.9);
+    assert_true((p->top[k] - p->bottom[k]) * p->height > 219.9);
+    assert_true(p->left[k] > 0 && p->right[k] < 1 && p->top[k] < 1);
+    assert_true(p->key > 0 && p->key < 1 &&
+                (p->bottom[k] - p->key) * p->height > 60); /* numbers, name of the axis */
+    for (int j = 0; j < k; j++)
+      assert_true(p->right[j] < p->left[k] || p->right[k] < p->left[j] || p->top[j] < p->bottom[k] ||
+                  p->top[k] < p->bottom[j]);
+  }
+}
+
+/* Three conditions of six sizes: a row each, and one that compares them; the same y down a column. */
+static void test_rows(void **state) {
+  static const char *const names[] = {"taylor", "restricted", "periodic (reference: p2400-*)",
+                                      "comparison for packing p2400-*"};
+  static const char *const entries[] = {"packing",
+                                        "p88-*",
+                                        "p150-*",
+                                        "p300-*",
+                                        "p600-*",
+                                        "p1200-*",
+                                        "p2400-*",
+                                        "comparison",
+                                        "taylor",
+                                        "restricted",
+                                        "periodic (reference)"};
+  gh_context *ctx = *state;
+  gh_study *s = size_study(ctx, 6);
+  panels p;
+  study_rows r;
+  study_key key;
+  study_line line;
+  char name[STUDY_NAME];
+  read_panels(ctx, s, &p);
+  assert_int_equal(p.n, 4 * 3);
+  for (int k = 0; k < p.n; k++) /* plots after each other, each with its rows */
+    for (int j = 0; j < 2; j++) NEAR("end of y", p.y[k][j], p.y[k - k % 4][j], 0);
+  assert_true(p.left[0] == p.left[3] && p.left[3] < p.left[4] && p.top[0] == p.top[4] && p.top[1] < p.top[0]);
+
+  OK(study_rows_plan(s, &r));
+  assert_int_equal(study_rows_count(&r), 4);
+  for (int row = 0; row < 4; row++) {
+    int curves = 0;
+    study_rows_name(&r, row, name);
+    assert_string_equal(name, names[row]);
+    for (int k = 0; k < s->nsettings; k++)
+      if (study_rows_line(&r, row, k, &line)) {
+        curves++;
+        assert_int_equal(row < 3 ? s->settings[k].choice[1] : 5, row < 3 ? row : s->settings[k].choice[0]);
+        if (row < 3) assert_string_equal(line.colour, study_colour(s->settings[k].choice[0]));
+      }
+    assert_int_equal(curves, row < 3 ? 6 : 3);
+  }
+  study_key_plan(&r, 100, 1000, &key);
+  assert_int_equal(key.n, 11);
+  for (int k = 0; k < key.n; k++) assert_string_equal(key.entry[k].text, entries[k]);
+  study_rows_free(&r);
+  made_destroy(s);
+}
+
+/* y of the first plot reaches from the lowest to the highest bar of all rows. */
+static void test_range(void **state) {
+  gh_context *ctx = *state;
+  gh_study *s = made_study(ctx);
+  panels p;
+  made_knob(s, "packing", VALUES("a-*.data", "b-*.data", "c-*.data", "d-*.data"));
+  made_knob(s, "micro.boundary", VALUES("taylor", "periodic"));
+  made_settings(s, 2, 0);
+  for (int k = 0; k < 8; k++)
+    for (int m = 0; m < 2; m++)
+      made_run(s->settings[k].runs + m, 11, 1, path, (double[]){0, 0.1 * k * m}, 1, 1);
+  made_curve(&s->given, 11, 1, path, NULL);
+  s->nplots = 1;
+  s->plots = made_array(1, sizeof *s->plots);
+  read_panels(ctx, s, &p);
+  assert_int_equal(p.n, 3);
+  /* P11 = -1.3 (1 + scatter) at the end; scatters 0 and 0.7: mean 0.35, deviation 0.7/sqrt(2) */
+  double low = -1.3 * (1.35 + 0.7 / sqrt(2)), high = 0;
+  for (int k = 0; k < 3; k++) {
+    NEAR("low", p.y[k][0], low - 0.04 * (high - low), 1e-12);
+    NEAR("high", p.y[k][1], high + 0.04 * (high - low), 1e-12);
+  }
+  made_destroy(s);
+}
+
+/* Many curves of one knob, many panels, a long name of the reference: the key stays below. */
+static void test_key(void **state) {
+  gh_context *ctx = *state;
+  gh_study *s = made_study(ctx);
+  panels p;
+  study_rows r;
+  study_key key;
+  const char *values[41] = {0};
+  char text[40][48], long_name[301];
+  for (int k = 0; k < 40; k++) {
+    snprintf(text[k], sizeof text[k], "a_rather_long_name_of_a_value_%d", k);
+    values[k] = text[k];
+  }
+  memset(long_name, 'x', 300), long_name[300] = 0;
+  free(s->reference_text);
+  s->reference_text = made_text(long_name);
+  made_knob(s, "law", values);
+  made_settings(s, 1, 0);
+  for (int k = 0; k < 40; k++) run_with_error(s->settings[k].runs, 1e-3 * (k + 1), 1, 1);
+  made_curve(&s->given, 11, 1, path, NULL);
+  s->nplots = 9;
+  s->plots = made_array(9, sizeof *s->plots);
+  for (int k = 0; k < 9; k++) s->plots[k] = k % 3;
+  read_panels(ctx, s, &p);
+  assert_int_equal(p.n, 9);
+  OK(study_rows_plan(s, &r));
+  assert_int_equal(study_rows_count(&r), 1);
+  study_key_plan(&r, 100, 900, &key);
+  assert_int_equal(key.n, 14); /* twelve have a colour */
+  assert_string_equal(key.entry[11].text, "a_rather_long_name_of_a_value_11");
+  assert_string_equal(key.entry[12].text, "others");
+  assert_true(strlen(key.entry[13].text) < 100 && strstr(key.entry[13].text, "xx..."));
+  assert_int_equal(study_key_height(&key), 8 * STUDY_KEY_LINE); /* in twos, the last alone */
+  study_rows_free(&r);
+  if (!no_gnuplot())
+    draws(ctx, s, "key", VALUES("work-precision.png", "work-precision-count.png", "curves.png"));
+  made_destroy(s);
+}
+
+/* Five groups are not compared in one row; a value that one of them has not is not what is compared. */
+static void test_groups(void **state) {
+  gh_context *ctx = *state;
+  for (int groups = 4; groups <= 5; groups++) {
+    gh_study *s = made_study(ctx);
+    study_rows r;
+    panels p;
+    const char *some[6] = {"taylor", "taylor-cell", "restricted", "periodic", "traction", NULL};
+    some[groups] = NULL;
+    made_knob(s, "micro.tolerance", VALUES("1e-2", "1e-4", "1e-6"));
+    made_knob(s, "micro.boundary", some);
+    made_settings(s, 1, 0);
+    for (int k = 0; k < s->nsettings; k++) run_with_error(s->settings[k].runs, 0.1 / (k + 1), 1, 1);
+    s->settings[2 * groups + 1].runs->status = GH_DIVERGED; /* 1e-6, the second condition */
+    made_curve(&s->given, 11, 1, path, NULL);
+    s->nplots = 5;
+    s->plots = made_array(5, sizeof *s->plots);
+    read_panels(ctx, s, &p);
+    assert_int_equal(p.n, 25); /* 4 x 5 and 5 that compare, or 5 x 5 */
+    OK(study_rows_plan(s, &r));
+    assert_int_equal(r.ngroups, groups);
+    assert_int_equal(r.compared, groups == 4 ? 1 : -1);
+    study_rows_free(&r);
+    if (!no_gnuplot())
+      draws(ctx, s, groups == 4 ? "groups4" : "groups5",
+            VALUES("work-precision.png", "work-precision-count.png", "curves.png"));
+    made_destroy(s);
+  }
+}
+
 /* Answers that equal the reference, no counts, long names with marks of gnuplot in them. */
 static void test_pictures_zero(void **state) {
   gh_context *ctx = *state;
@@ -449,11 +686,22 @@ static void test_pictures_zero(void **state) {
 }
 
 int main(void) {
-  const struct CMUnitTest tests[] = {TEST(test_markdown),       TEST(test_print),
-                                     TEST(test_ensemble_text),  TEST(test_order_text),
-                                     TEST(test_nothing),        TEST(test_csv),
-                                     TEST(test_csv_quotes),     TEST(test_pictures_tolerance),
-                                     TEST(test_pictures_order), TEST(test_pictures_size),
+  const struct CMUnitTest tests[] = {TEST(test_markdown),
+                                     TEST(test_print),
+                                     TEST(test_ensemble_text),
+                                     TEST(test_order_text),
+                                     TEST(test_nothing),
+                                     TEST(test_csv),
+                                     TEST(test_plain),
+                                     TEST(test_quoted_values),
+                                     TEST(test_csv_quotes),
+                                     TEST(test_pictures_tolerance),
+                                     TEST(test_pictures_order),
+                                     TEST(test_pictures_size),
+                                     TEST(test_rows),
+                                     TEST(test_range),
+                                     TEST(test_key),
+                                     TEST(test_groups),
                                      TEST(test_pictures_zero)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
