@@ -119,7 +119,8 @@ typedef struct study_judged {
                      squares of both intervals (where the reference is no ensemble: the confidence) */
   double wall, core, force_evaluations, pair_evaluations, factorisations, evaluations, iterations, cuts,
       jumps;                      /* means over the members */
-  double residual, energy_defect; /* largest over the members that tell theirs; NAN: none does */
+  double residual, energy_defect; /* largest (the defect: in magnitude, with its sign) over the members that
+                                     tell theirs; NAN: none does */
   bool pareto, pareto_count; /* no other setting is at least as accurate and as cheap, and better in one of
                                 the two: by core seconds; by pair evaluations, or by factorisations in a study
                                 without pair evaluations */
