@@ -37,6 +37,7 @@ typedef struct study_run {
   char id[20];         /* hash of all that the answer depends on: name of its record */
   const char *packing; /* file of this member; belongs to the setting */
   bool finished;       /* there is a record; failed runs are finished, too */
+  bool other_build;    /* and it was written by another build of granhom */
   gh_status status;    /* GH_OK, or why it ended early: the curve then is what came before */
   char message[512];
   double wall, core; /* seconds: of the clock; of the processor, all threads */

@@ -140,6 +140,8 @@ enum { STUDY_NOTE = 1024 };
 void study_team_tell(study_team *team, const char *note);
 /* On rank 0: hear(data, note) for each note that has come. Elsewhere nothing. */
 void study_team_listen(study_team *team, void (*hear)(void *data, const char *note), void *data);
+/* Whether all ranks have this number. Collective. */
+bool study_team_alike(study_team *team, uint64_t number);
 /* The flags of rank 0, on all. */
 void study_team_share(study_team *team, unsigned char *flags, int n);
 /* Every rank gives its text, rank 0 takes those of all others, in the order of the ranks; waits for them, and

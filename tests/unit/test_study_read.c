@@ -3,7 +3,9 @@
 #include "study/parts.h"
 #include "test_io.h"
 
+#include <inttypes.h>
 #include <math.h>
+#include <unistd.h>
 
 #define SMALL                                                                                                \
   "rve:\n  packing: @/p50.data\n  contact: {normal_stiffness: 50}\n"                                         \
@@ -399,6 +401,52 @@ static void runs_are_kept(void **state) {
   assert_int_equal(told, 1);
   run_study(p, s, GH_OK, NULL, NULL, true);
   assert_int_equal(told, 4);
+  /* a fresh study that is stopped keeps no old records, so that it can go on */
+  calls = 8;
+  run_study(p, s, GH_STOPPED, after_some, &calls, true);
+  first = told;
+  assert_in_range(first, 1, 3);
+  assert_non_null(strstr(gh_message(p->ctx), "the same command without --fresh goes on"));
+  run_study(p, s, GH_OK, NULL, NULL, false);
+  assert_int_equal(told, 4 - first);
+  gh_study_destroy(&s);
+}
+
+/* A record of another build is used, and the tables say so; pictures of an earlier study are gone. */
+static void other_builds_are_told(void **state) {
+  place *p = *state;
+  char path[48], *at;
+  size_t length;
+  gh_text *text;
+  gh_study *s = study_of(p, SMALL VARY REFERENCE, false);
+  run_study(p, s, GH_OK, NULL, NULL, false);
+  put_file(p, "out/order.png", "old");
+  for (int k = 0; k < 2; k++) { /* the second time as all builds before this one had it */
+    assert_int_equal(gh_text_create(p->ctx, &text), GH_OK);
+    assert_false(s->settings[k].runs[0].other_build);
+    snprintf(path, sizeof path, "out/runs/%s.json", s->settings[k].runs[0].id);
+    assert_int_equal(study_record_print(s, k, s->settings[k].runs, text), GH_OK);
+    char *record = strdup(gh_text_get(text, NULL));
+    assert_non_null(record);
+    assert_non_null(at = strstr(record, "  \"build\": \""));
+    if (k == 0) at[12] = 'x';
+    else memmove(at, strchr(at, '\n') + 1, strlen(strchr(at, '\n')));
+    assert_non_null(at = strstr(record, "  \"check\": \""));
+    length = (size_t)(at - record);
+    snprintf(at, 40, "  \"check\": \"%016" PRIx64 "\"\n}\n", study_hash(study_hash_begin, record, length));
+    put_file(p, path, record);
+    free(record);
+    gh_text_destroy(&text);
+  }
+  run_study(p, s, GH_OK, NULL, NULL, false);
+  assert_int_equal(told, 0);
+  assert_true(s->settings[0].runs[0].other_build && s->settings[1].runs[0].other_build);
+  char *page = get_file(in_folder(p, "out/study.md"), &length);
+  assert_non_null(strstr(page, "2 of 3 runs were computed by another build of granhom"));
+  free(page);
+  assert_int_not_equal(access(in_folder(p, "out/order.png"), F_OK), 0);
+  run_study(p, s, GH_OK, NULL, NULL, true);
+  assert_false(s->settings[0].runs[0].other_build);
   gh_study_destroy(&s);
 }
 
@@ -589,6 +637,7 @@ int main(void) {
                                      TEST(what_is_compared_must_fit),
                                      TEST(paths_are_refined),
                                      TEST(runs_are_kept),
+                                     TEST(other_builds_are_told),
                                      TEST(failures_are_results),
                                      TEST(twins_run_once),
                                      TEST(triangular_lattice),
