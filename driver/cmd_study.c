@@ -38,27 +38,6 @@ typedef struct arguments {
   bool quick, fresh, explain, quiet;
 } arguments;
 
-/* Set by the first SIGINT or SIGTERM. */
-static volatile sig_atomic_t stop_wanted;
-
-static void on_signal(int number) {
-  (void)number;
-  stop_wanted = 1;
-}
-
-static void catch_signals(void) {
-  struct sigaction action = {.sa_handler = on_signal, .sa_flags = SA_RESTART | (int)SA_RESETHAND};
-  sigemptyset(&action.sa_mask);
-  sigaction(SIGINT, &action, NULL);
-  sigaction(SIGTERM, &action, NULL);
-  signal(SIGPIPE, SIG_IGN); /* gnuplot may end early: its status tells */
-}
-
-static bool stop(void *data) {
-  (void)data;
-  return stop_wanted;
-}
-
 static int parse(int argc, char **argv, arguments *a) {
   for (int k = 1; k < argc; k++) {
     const char *word = argv[k];
@@ -78,20 +57,15 @@ static int parse(int argc, char **argv, arguments *a) {
   return 0;
 }
 
-static void warnings_only(void *data, gh_level level, const char *line) {
-  (void)data;
-  if (level == GH_LEVEL_WARNING) fprintf(stderr, "warning: %s\n", line);
-}
-
 static gh_status say(gh_context *ctx, const gh_study *study,
                      void (*print)(const gh_study *study, gh_text *out)) {
   gh_text *text;
   if (cli_rank() > 0) return GH_OK;
   GH_TRY(gh_text_create(ctx, &text));
   print(study, text);
-  fputs(gh_text_get(text, NULL), stdout);
+  const bool said = fputs(gh_text_get(text, NULL), stdout) >= 0 && fflush(stdout) == 0;
   gh_text_destroy(&text);
-  return GH_OK;
+  return said ? GH_OK : gh_fail(ctx, GH_SYSTEM, "standard output: cannot write");
 }
 
 /* All ranks read the study, which none of them changes; where one cannot, none goes on. */
@@ -109,7 +83,7 @@ static gh_status study(gh_context *ctx, const arguments *a) {
   if (status == GH_OK && a->explain) {
     status = say(ctx, study, gh_study_explain);
   } else if (status == GH_OK) {
-    gh_study_options options = {.stop = stop, .comm = cli_world(), .fresh = a->fresh};
+    gh_study_options options = {.stop = cli_stop, .comm = cli_world(), .fresh = a->fresh};
     status = gh_study_run(study, a->folder, &options);
     if (status == GH_OK && !a->quiet) status = say(ctx, study, gh_study_print);
   }
@@ -128,11 +102,9 @@ static int run(int argc, char **argv) {
     gh_context_destroy(&ctx);
     return code;
   }
-  if (a.quiet) {
-    gh_set_log(ctx, warnings_only, NULL);
-    gh_set_progress(ctx, NULL, NULL);
-  }
-  if (!a.explain) catch_signals();
+  if (a.quiet) cli_quiet(ctx);
+  if (!a.explain) cli_catch_signals();
+  signal(SIGPIPE, SIG_IGN); /* gnuplot and who reads may end early: it is told */
   return cli_close(ctx, study(ctx, &a));
 }
 
