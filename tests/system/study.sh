@@ -2,14 +2,10 @@
 # granhom study: one packing and a scene on one and two ranks, records that survive kill -9, failures, wrong input.
 # SPDX-License-Identifier: GPL-2.0-or-later
 set -u
-export OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1 OMPI_MCA_rmaps_base_oversubscribe=1 # containers with one core
+. "$(dirname "$0")/../shell.sh" # begin, say
+begin
 export OMPI_MCA_mpi_yield_when_idle=1
-granhom=$(cd "${BUILD:-build}" && pwd)/granhom || exit 1
-packings=$(pwd)/tests/data/cases/packings
-work=$(mktemp -d) && cd "$work" || exit 1
-trap 'rm -rf "$work"' EXIT
-bad=0
-say() { if [ "$1" = 0 ]; then echo "ok - $2"; else echo "not ok - $2"; [ -s err ] && sed 's/^/#   /' err; bad=1; fi; }
+packings=$root/tests/data/cases/packings
 records() { find "$1/runs" -name '*.json' 2>/dev/null | wc -l; }
 # until COUNT DIR: waits for so many records, 15 s at most
 until_records() { for _ in $(seq 300); do [ "$(records "$2")" -ge "$1" ] && return; sleep 0.05; done; }
