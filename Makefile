@@ -57,6 +57,12 @@ lib: $(LIB) $(SHARED)
 CHOICE := MPI=$(MPI) HDF5=$(HDF5)
 $(shell mkdir -p $(BUILD); echo '$(CHOICE)' | cmp -s - $(BUILD)/choice || echo '$(CHOICE)' >$(BUILD)/choice)
 
+# What answers and their seconds depend on, as a number: records of a study tell by it of which build they are.
+ANSWERS := $(sort $(filter-out src/study/% src/scene/report%,$(SRC)) $(addprefix src/study/,path.c follow.c scene_run.c) \
+  $(wildcard include/granhom/*.h src/*/*.h src/*/*/*.h))
+$(shell printf '\043define GH_SOURCES "%s"\n' "$$(cat $(ANSWERS) | cksum | cut -d' ' -f1)" >$(BUILD)/sources.new; \
+  cmp -s $(BUILD)/sources.new $(BUILD)/sources.h && rm $(BUILD)/sources.new || mv $(BUILD)/sources.new $(BUILD)/sources.h)
+
 $(BUILD)/%.c.o: %.c Makefile $(BUILD)/choice
 	@mkdir -p $(@D)
 	@echo "  CC   $<"

@@ -65,6 +65,16 @@ gh_context *cli_open(void) {
   return ctx;
 }
 
+static void warnings_only(void *data, gh_level level, const char *line) {
+  (void)data;
+  if (level == GH_LEVEL_WARNING) fprintf(stderr, "warning: %s\n", line);
+}
+
+void cli_quiet(gh_context *ctx) {
+  gh_set_log(ctx, warnings_only, NULL);
+  gh_set_progress(ctx, NULL, NULL);
+}
+
 int cli_close(gh_context *ctx, gh_status s) {
   clear_line();
   if (s != GH_OK && cli_rank() == 0) {

@@ -17,6 +17,12 @@ extern const cli_command cli_run, cli_rve, cli_element, cli_study, cli_crosschec
 /* A context whose log and progress go to standard error: a rewritten line on a terminal, plain lines at most
  * every ten seconds elsewhere. NULL (after a message) when there is no memory. */
 gh_context *cli_open(void);
+/* Only warnings and errors from now on (--quiet). */
+void cli_quiet(gh_context *ctx);
+/* From now on the first SIGINT or SIGTERM is a request, which cli_stop tells; the second ends the program at
+ * once: files on disk are whole at any time. */
+void cli_catch_signals(void);
+bool cli_stop(void *data);
 /* Of this process among those of mpirun; 0 without. */
 int cli_rank(void);
 /* Prints "granhom: message" on standard error if s is not GH_OK, on rank 0 alone: what fails, fails on all.

@@ -2,7 +2,6 @@
 #include "cli.h"
 #include "granhom/scene.h"
 
-#include <signal.h>
 #include <string.h>
 
 typedef struct run_arguments {
@@ -10,27 +9,6 @@ typedef struct run_arguments {
   long every;
   bool explain, quiet, restart, no_share, no_balance, estimate;
 } run_arguments;
-
-/* Set by the first SIGINT or SIGTERM, asked before each material point. */
-static volatile sig_atomic_t stop_wanted;
-
-static void on_signal(int number) {
-  (void)number;
-  stop_wanted = 1;
-}
-
-/* A second signal ends the program at once: files on disk are whole at any time. */
-static void catch_signals(void) {
-  struct sigaction action = {.sa_handler = on_signal, .sa_flags = SA_RESTART | (int)SA_RESETHAND};
-  sigemptyset(&action.sa_mask);
-  sigaction(SIGINT, &action, NULL);
-  sigaction(SIGTERM, &action, NULL);
-}
-
-static bool stop(void *data) {
-  (void)data;
-  return stop_wanted;
-}
 
 /* 0, or the exit status after a message. */
 static int parse(int argc, char **argv, run_arguments *a) {
@@ -60,11 +38,6 @@ static int parse(int argc, char **argv, run_arguments *a) {
   if (a->engine && strcmp(a->engine, "lammps") != 0 && strcmp(a->engine, "native") != 0)
     return cli_usage(&cli_run, "engine '%s' is none of lammps, native", a->engine);
   return 0;
-}
-
-static void warnings_only(void *data, gh_level level, const char *line) {
-  (void)data;
-  if (level == GH_LEVEL_WARNING) fprintf(stderr, "warning: %s\n", line);
 }
 
 static gh_status explain(gh_context *ctx, const gh_scene *scene) {
@@ -97,7 +70,7 @@ static gh_status work(gh_context *ctx, const run_arguments *a) {
   if (a->explain) {
     status = explain(ctx, scene);
   } else {
-    gh_run_options options = {.stop = stop,
+    gh_run_options options = {.stop = cli_stop,
                               .comm = cli_world(),
                               .no_balance = a->no_balance,
                               .restart = a->restart,
@@ -116,7 +89,7 @@ static gh_status share_work(gh_context *ctx, const run_arguments *a) {
   if (cli_rank() == 0) {
     status = work(ctx, a);
     gh_farm_dismiss(cli_world());
-  } else if ((status = gh_farm_serve(ctx, cli_world(), stop, NULL)) != GH_OK) {
+  } else if ((status = gh_farm_serve(ctx, cli_world(), cli_stop, NULL)) != GH_OK) {
     fprintf(stderr, "granhom: rank %d: %s\n", cli_rank(), gh_message(ctx)); /* rank 0 may be waiting for it */
     cli_abort(gh_exit_status(status));
   }
@@ -134,11 +107,8 @@ static int run(int argc, char **argv) {
     gh_context_destroy(&ctx);
     return code;
   }
-  if (a.quiet) {
-    gh_set_log(ctx, warnings_only, NULL);
-    gh_set_progress(ctx, NULL, NULL);
-  }
-  if (!a.explain) catch_signals();
+  if (a.quiet) cli_quiet(ctx);
+  if (!a.explain) cli_catch_signals();
   return cli_close(ctx, share_work(ctx, &a));
 }
 

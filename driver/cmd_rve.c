@@ -117,20 +117,13 @@ static int parse_option(int c, arguments *a) {
 }
 
 static int parse(int argc, char **argv, arguments *a) {
-  static const struct option options[] = {{"path", 1, 0, 'p'},
-                                          {"output", 1, 0, 'o'},
-                                          {"boundary", 1, 0, 'b'},
-                                          {"engine", 1, 0, 'e'},
-                                          {"tolerance", 1, 0, 'T'},
-                                          {"max-steps", 1, 0, 'n'},
-                                          {"tangent", 1, 0, 't'},
-                                          {"dump", 1, 0, 'd'},
-                                          {"save-state", 1, 0, 's'},
-                                          {"load-state", 1, 0, 'l'},
-                                          {"relaxation", 1, 0, 'r'},
-                                          {"estimate-error", 0, 0, 'E'},
-                                          CONTACT_OPTIONS,
-                                          {0, 0, 0, 0}};
+  static const struct option options[] = {{"path", 1, 0, 'p'},       {"output", 1, 0, 'o'},
+                                          {"boundary", 1, 0, 'b'},   {"engine", 1, 0, 'e'},
+                                          {"tolerance", 1, 0, 'T'},  {"max-steps", 1, 0, 'n'},
+                                          {"tangent", 1, 0, 't'},    {"dump", 1, 0, 'd'},
+                                          {"save-state", 1, 0, 's'}, {"load-state", 1, 0, 'l'},
+                                          {"relaxation", 1, 0, 'r'}, {"estimate-error", 0, 0, 'E'},
+                                          CONTACT_OPTIONS,           {0, 0, 0, 0}};
   *a = (arguments){.rve = gh_rve_defaults()};
   opterr = 0;
   optind = 1;
@@ -250,34 +243,21 @@ static gh_status start_of_path(job *j, double F[4]) {
   return status;
 }
 
-/* Evaluates at `to`, in parts that are not longer than `halvings` make them. An increment that has no
- * equilibrium is cut: parts of it are committed on the way. */
-static gh_status reach(job *j, gh_rve *rve, int halvings, long step, const double from[4], const double to[4],
-                       double A[16]) {
-  enum { MOST_CUTS = 6 };
-  double t = 0, dt = ldexp(1, -halvings), P[4];
-  const bool main = rve == j->rve;
-  int cuts = 0, parts = 0;
-  for (int level = halvings;;) {
-    double F[4];
-    bool last = t + dt == 1;
-    for (int k = 0; k < 4; k++) F[k] = last ? to[k] : from[k] + (t + dt) * (to[k] - from[k]);
-    gh_status status = gh_rve_evaluate(rve, F, last && main && j->tangent ? GH_WANT_TANGENT : 0, P, A);
-    if (status == GH_DIVERGED && level < MOST_CUTS + halvings) {
-      GH_TRY(gh_rve_revert(rve));
-      dt /= 2, level++, cuts++;
-      continue;
-    }
-    if (status != GH_OK && parts) gh_prefix(j->ctx, status, "after %d parts of the increment: ", parts);
-    GH_TRY(status);
-    if (main) rve_error_count(&j->error, gh_rve_measure(rve));
-    if (last) break;
-    GH_TRY(gh_rve_commit(rve));
-    t += dt, parts++;
-    if (level > halvings && fmod(t, 2 * dt) == 0) dt *= 2, level--;
-  }
-  if (cuts && main)
-    gh_log(j->ctx, GH_LEVEL_INFO, "step %ld: no equilibrium at once, reached in %d parts", step, parts + 1);
+static void count_part(void *data, const gh_rve_measures *m) {
+  rve_error_count(data, m);
+}
+
+/* The row on the path whose results are written. */
+static gh_status reach(job *j, long step, const double from[4], const double to[4], double A[16]) {
+  gh_rve_way way = {.halvings = j->whole ? 1 : 0,
+                    .want = j->tangent ? GH_WANT_TANGENT : 0,
+                    .count = count_part,
+                    .data = &j->error};
+  memcpy(way.from, from, sizeof way.from);
+  memcpy(way.to, to, sizeof way.to);
+  GH_TRY(gh_rve_reach(j->rve, &way, A));
+  if (way.cuts > 0)
+    gh_log(j->ctx, GH_LEVEL_INFO, "step %ld: no equilibrium at once, reached in %d parts", step, way.parts);
   return GH_OK;
 }
 
@@ -294,7 +274,10 @@ static gh_status join(job *j) {
 
 /* The row on the second path, compared with the trial state of the first. */
 static gh_status compare(job *j, long step, const double from[4], const double to[4]) {
-  gh_status status = reach(j, j->whole, 0, step, from, to, NULL);
+  gh_rve_way way = {0};
+  memcpy(way.from, from, sizeof way.from);
+  memcpy(way.to, to, sizeof way.to);
+  gh_status status = gh_rve_reach(j->whole, &way, NULL);
   if (status != GH_OK && status != GH_DIVERGED) return status;
   const double *whole = status == GH_OK ? gh_rve_measure(j->whole)->P : NULL;
   const bool branched = rve_error_compare(&j->error, gh_rve_measure(j->rve)->P, whole, &j->args->rve);
@@ -313,7 +296,7 @@ static gh_status walk(job *j) {
     double F[4], A[16];
     path_F(&j->path, row, F);
     long step = path_step(&j->path, row);
-    status = reach(j, j->rve, j->whole ? 1 : 0, step, from, F, A);
+    status = reach(j, step, from, F, A);
     if (status == GH_OK) status = write_row(j, step, A);
     if (status == GH_OK && j->whole) status = compare(j, step, from, F);
     if (status == GH_OK) status = gh_rve_commit(j->rve);

@@ -17,7 +17,9 @@ static const char help[] =
     "  -o, --output DIR       folder for records, tables and pictures\n"
     "  --quick                the small study that the file has under `quick`, in the place of the whole "
     "one\n"
-    "  --fresh                repeats all runs; otherwise a run that has a record in DIR is not repeated\n"
+    "  --fresh                forgets the records that DIR has of these runs, and repeats all; otherwise a "
+    "run that\n"
+    "                         has a record is not repeated\n"
     "  --explain              says what would be run, and runs nothing\n"
     "  --quiet                only warnings and errors on the screen\n"
     "\n"
@@ -38,27 +40,6 @@ typedef struct arguments {
   bool quick, fresh, explain, quiet;
 } arguments;
 
-/* Set by the first SIGINT or SIGTERM. */
-static volatile sig_atomic_t stop_wanted;
-
-static void on_signal(int number) {
-  (void)number;
-  stop_wanted = 1;
-}
-
-static void catch_signals(void) {
-  struct sigaction action = {.sa_handler = on_signal, .sa_flags = SA_RESTART | (int)SA_RESETHAND};
-  sigemptyset(&action.sa_mask);
-  sigaction(SIGINT, &action, NULL);
-  sigaction(SIGTERM, &action, NULL);
-  signal(SIGPIPE, SIG_IGN); /* gnuplot may end early: its status tells */
-}
-
-static bool stop(void *data) {
-  (void)data;
-  return stop_wanted;
-}
-
 static int parse(int argc, char **argv, arguments *a) {
   for (int k = 1; k < argc; k++) {
     const char *word = argv[k];
@@ -76,11 +57,6 @@ static int parse(int argc, char **argv, arguments *a) {
   if (!a->study) return cli_usage(&cli_study, "a study file is needed");
   if (!a->folder && !a->explain) return cli_usage(&cli_study, "-o DIR is needed: the folder for results");
   return 0;
-}
-
-static void warnings_only(void *data, gh_level level, const char *line) {
-  (void)data;
-  if (level == GH_LEVEL_WARNING) fprintf(stderr, "warning: %s\n", line);
 }
 
 static gh_status say(gh_context *ctx, const gh_study *study,
@@ -109,7 +85,7 @@ static gh_status study(gh_context *ctx, const arguments *a) {
   if (status == GH_OK && a->explain) {
     status = say(ctx, study, gh_study_explain);
   } else if (status == GH_OK) {
-    gh_study_options options = {.stop = stop, .comm = cli_world(), .fresh = a->fresh};
+    gh_study_options options = {.stop = cli_stop, .comm = cli_world(), .fresh = a->fresh};
     status = gh_study_run(study, a->folder, &options);
     if (status == GH_OK && !a->quiet) status = say(ctx, study, gh_study_print);
   }
@@ -128,11 +104,9 @@ static int run(int argc, char **argv) {
     gh_context_destroy(&ctx);
     return code;
   }
-  if (a.quiet) {
-    gh_set_log(ctx, warnings_only, NULL);
-    gh_set_progress(ctx, NULL, NULL);
-  }
-  if (!a.explain) catch_signals();
+  if (a.quiet) cli_quiet(ctx);
+  if (!a.explain) cli_catch_signals();
+  signal(SIGPIPE, SIG_IGN); /* gnuplot and who reads may end early: it is told */
   return cli_close(ctx, study(ctx, &a));
 }
 

@@ -102,7 +102,8 @@ int main(int argc, char **argv) {
     return help(2, (char *[]){argv[2], argv[1], NULL});
   int code = command->run(argc - 1, argv + 1);
   if (fflush(stdout) != 0 || ferror(stdout)) {
-    fprintf(stderr, "granhom: standard output cannot be written\n");
+    if (code == 0)
+      fprintf(stderr, "granhom: standard output cannot be written\n"); /* else it has been told */
     return code ? code : 1;
   }
   return code;

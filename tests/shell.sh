@@ -16,3 +16,34 @@ check() {
   shift
   if said=$("$@" 2>&1); then ok "$name"; else not_ok "$name" "$*" "$said"; fi
 }
+# say STATUS NAME: the same for a command that has been; the file `err` or `said.err` tells more
+say() {
+  local file
+  if [ "$1" = 0 ]; then
+    ok "$2"
+    return
+  fi
+  not_ok "$2"
+  for file in err said.err; do [ -s $file ] && sed 's/^/#   /' $file; done
+}
+# begin [memory]: BUILD, granhom and root with their whole names, and an empty folder `work` to be in (where there is one, in
+# memory), which goes at the end; mpirun works in containers, too
+begin() {
+  export OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1 OMPI_MCA_rmaps_base_oversubscribe=1 # containers with one core
+  BUILD=$(cd "${BUILD:-build}" && pwd) || exit 1
+  root=$(pwd)
+  granhom=$BUILD/granhom
+  work=$( { [ "${1:-}" = memory ] && [ -w /dev/shm ] && mktemp -d -p /dev/shm; } || mktemp -d) && cd "$work" || exit 1
+  trap 'rm -rf "$work"' EXIT
+}
+# refused_by COMMAND NAME WORDS ARGUMENTS...: granhom COMMAND ARGUMENTS in the empty folder `clean`: exit 2, WORDS, nothing written
+refused_by() {
+  local command=$1 name=$2 words=$3 code
+  shift 3
+  mkdir -p clean
+  (cd clean && "$granhom" "$command" "$@" >../said.out 2>../said.err)
+  code=$?
+  if [ $code = 2 ] && grep -qF -- "$words" said.err && [ ! -s said.out ] && [ -z "$(ls -A clean)" ]; then ok "refused: $name"
+  else not_ok "refused: $name" "exit $code, files: $(ls -A clean)" "$(head -n 5 said.err)" "wanted: $words"; fi
+  rm -rf clean
+}

@@ -109,6 +109,10 @@ void gh_work_begin(gh_context *ctx, gh_work *w, const char *label, const char *u
 void gh_work_advance(gh_context *ctx, gh_work *w, double done); /* at most ten reports a second */
 void gh_work_end(gh_context *ctx, gh_work *w, double done);
 
+/* Which build of granhom this is: a sum over the sources that answers depend on, and the compiler's options.
+ */
+const char *gh_build(void);
+
 /* Seconds of a monotonic clock. */
 double gh_seconds(void);
 

@@ -79,6 +79,23 @@ gh_status gh_rve_evaluate(gh_rve *rve, const double F[4], unsigned want, double 
 gh_status gh_rve_commit(
     gh_rve *rve); /* trial state becomes the converged state; without a trial state nothing happens */
 gh_status gh_rve_revert(gh_rve *rve); /* trial state is dropped */
+
+/* An increment along the straight line between two F, row-major. */
+typedef struct gh_rve_way {
+  double from[4], to[4];                               /* from: F of the converged state */
+  int halvings;                                        /* it is done in 2^halvings parts at least */
+  unsigned want;                                       /* of the evaluation at the end */
+  void (*count)(void *data, const gh_rve_measures *m); /* told of each part in equilibrium, before it is
+                                                          committed; NULL: nobody */
+  void *data;
+  int parts, cuts; /* what came of it: parts in equilibrium, the last one included; how often one was cut */
+} gh_rve_way;
+enum { GH_WAY_CUTS = 6 };
+/* Finds the equilibrium at `to` and makes it the trial state; A (4 x 4, iJkL) as in gh_rve_evaluate. A part
+ * that has none is halved, GH_WAY_CUTS times at most below the `halvings`; behind it parts grow again. All
+ * parts but the last are committed. GH_DIVERGED: cuts are spent; the converged state is that of the last part
+ * that was reached. Other errors as in gh_rve_evaluate. */
+gh_status gh_rve_reach(gh_rve *rve, gh_rve_way *way, double A[16]);
 /* Of the last evaluation. */
 const gh_rve_measures *gh_rve_measure(const gh_rve *rve);
 void gh_rve_costs(const gh_rve *rve, gh_rve_cost *cost);

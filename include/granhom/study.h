@@ -24,13 +24,15 @@ typedef struct gh_study_options {
   bool (*stop)(void *data); /* asked before each run and within it; NULL: never */
   void *stop_data;
   const void *comm; /* MPI_Comm * whose ranks all call gh_study_run; NULL: this process alone */
-  bool fresh;       /* repeat finished runs */
+  bool fresh;       /* remove the records of these runs first */
 } gh_study_options;
 
-/* Does all runs that have no finished record of the same program, settings and files in folder/runs, spread
+/* Does all runs that have no finished record of the same version, settings and files in folder/runs, spread
  * over the ranks, then compares them and writes study.csv, study.md, curves.csv and pictures (needs gnuplot)
- * into the folder. A run that fails is a result. GH_STOPPED: what is finished stays. Collective over comm;
- * only rank 0 writes tables. */
+ * into the folder. A run that fails is a result. Records of other builds (gh_build) are used, and told.
+ * GH_STOPPED: what is finished stays. GH_INPUT, and nothing written: no folder can be there, or the ranks
+ * have read different files. GH_DIVERGED: no setting has a result. GH_SYSTEM: the folder cannot be written,
+ * or files have changed meanwhile. Collective over comm; only rank 0 writes tables. */
 gh_status gh_study_run(gh_study *study, const char *folder, const gh_study_options *options);
 /* The table and the sentences of the last gh_study_run: what study.md holds, for the terminal. */
 void gh_study_print(const gh_study *study, gh_text *out);

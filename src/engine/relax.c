@@ -105,21 +105,18 @@ double gh_relax_safe_step(const gh_relax_state *s) {
   return gh_relax_time_step(bound);
 }
 
-/* One step of the free grains with the damping `c`; returns the square of the largest distance from x0.
- *
- * No grain goes as far as the slack at once (0.9, so that round-off does not decide when the list is made
- * anew). Overlaps of a tenth of a radius stay below that; larger ones would throw a grain through its
- * neighbours, where forces are those of another packing, and it may be thrown back for ever. */
-static double advance(gh_relax_state *s, double c, double dt) {
-  double a = s->started ? (2 - c * dt) / (2 + c * dt) : 0, b = s->started ? 2 * dt / (2 + c * dt) : dt / 2,
-         far = 0, fastest = 0.9 * s->slack / dt;
+double gh_relax_move(gh_relax_state *s, double a, double b, double dt) {
+  const double fastest =
+      0.9 * s->slack / dt; /* so that round-off does not decide when the list is made anew */
+  double far = 0;
   for (int i = 0; i < s->n; i++) {
-    double free = s->held && s->held[i] ? 0 : 1, *v = s->v + 2 * i, *x = s->x + 2 * i, r2 = 0, v2 = 0;
+    const double free = s->held && s->held[i] ? 0 : 1;
+    double *v = s->v + 2 * i, *x = s->x + 2 * i, r2 = 0, v2 = 0;
     for (int k = 0; k < 2; k++) {
       v[k] = free * (a * v[k] + b * s->f[2 * i + k]);
       v2 += v[k] * v[k];
     }
-    double slower = v2 > fastest * fastest ? fastest / sqrt(v2) : 1;
+    const double slower = v2 > fastest * fastest ? fastest / sqrt(v2) : 1;
     for (int k = 0; k < 2; k++) {
       v[k] *= slower;
       x[k] += dt * v[k];
@@ -127,8 +124,15 @@ static double advance(gh_relax_state *s, double c, double dt) {
     }
     far = r2 > far ? r2 : far;
   }
-  s->started = 1;
   return far;
+}
+
+/* One step with the damping `c`; returns the square of the largest distance from x0. */
+static double advance(gh_relax_state *s, double c, double dt) {
+  const double a = s->started ? (2 - c * dt) / (2 + c * dt) : 0,
+               b = s->started ? 2 * dt / (2 + c * dt) : dt / 2;
+  s->started = 1;
+  return gh_relax_move(s, a, b, dt);
 }
 
 /* Rayleigh quotient of the last displacement dt v with the change of the forces: a running estimate of the

@@ -57,6 +57,11 @@ typedef enum gh_relax_end {
  * (4.47). On return f belongs to x. Writes residual and mean force, adds the force evaluations to *steps. */
 gh_relax_end gh_relax_run(gh_relax_state *s, double tolerance, double floor, long max_steps, double *residual,
                           double *mean_force, long *steps);
+/* One step of the grains that are free: v <- a v + b f, x <- x + dt v. Returns the square of the largest
+ * distance from x0. No grain goes as far as the slack at once: overlaps of a tenth of a radius stay below
+ * that, but larger ones would throw a grain through its neighbours, where forces are those of another
+ * packing, and it may be thrown back for ever. */
+double gh_relax_move(gh_relax_state *s, double a, double b, double dt);
 /* Forces at x. Returns the largest force on a free grain; *mean_force is the mean normal contact force (0: no
  * contact). */
 double gh_relax_forces(gh_relax_state *s, double *mean_force);

@@ -88,29 +88,6 @@ static void factors(const sums *t, bool downhill, double mix, double dt, double 
   *b = (1 - mix) * dt + (t->ff > 0 ? mix * speed / sqrt(t->ff) : 0);
 }
 
-/* One step of the free grains; returns the square of the largest distance from x0. No grain goes as far as
- * the slack at once (relax.c says why). */
-static double advance(gh_relax_state *g, double a, double b, double dt) {
-  const double fastest = 0.9 * g->slack / dt;
-  double far = 0;
-  for (int i = 0; i < g->n; i++) {
-    const double free = is_free(g, i);
-    double *v = g->v + 2 * i, *x = g->x + 2 * i, r2 = 0, v2 = 0;
-    for (int k = 0; k < 2; k++) {
-      v[k] = free * (a * v[k] + b * g->f[2 * i + k]);
-      v2 += v[k] * v[k];
-    }
-    const double slower = v2 > fastest * fastest ? fastest / sqrt(v2) : 1;
-    for (int k = 0; k < 2; k++) {
-      v[k] *= slower;
-      x[k] += dt * v[k];
-      r2 += (x[k] - g->x0[2 * i + k]) * (x[k] - g->x0[2 * i + k]);
-    }
-    far = r2 > far ? r2 : far;
-  }
-  return far;
-}
-
 static void turn(gh_relax_friction *s, double a, double b, double dt) {
   const double fastest = 0.9 * s->grains.slack / dt;
   for (int i = 0; i < s->grains.n; i++) {
@@ -128,7 +105,7 @@ static bool step(const problem *p, double safe) {
   double a, b;
   factors(&t, downhill, g->fire.mix, dt, &a, &b);
   if (p->turns) turn(p->friction, a, b, dt);
-  return advance(g, a, b, dt) > g->slack * g->slack;
+  return gh_relax_move(g, a, b, dt) > g->slack * g->slack;
 }
 
 static gh_relax_end run(const problem *p, double tolerance, double floor, long max_steps, double *residual,

@@ -241,28 +241,12 @@ double gh_relax_friction_safe_step(const gh_relax_friction *s) {
   return time_step(s, divide(s).block);
 }
 
-/* One step of what may move, with the damping `c`; returns the square of the largest distance from x0. No
- * grain goes, and no rim turns, as far as the slack at once (relax.c says why). */
+/* One step of what may move, with the damping `c`; returns the square of the largest distance from x0. No rim
+ * turns as far as the slack at once, as no grain goes (gh_relax_move). */
 static double advance(gh_relax_friction *s, const double *couple, double c, double dt) {
   gh_relax_state *g = &s->grains;
   const double a = (2 - c * dt) / (2 + c * dt), b = (g->started ? 2 : 1) * dt / (g->started ? 2 + c * dt : 2),
-               fastest = 0.9 * g->slack / dt;
-  double far = 0;
-  for (int i = 0; i < g->n; i++) {
-    const double free = is_free(s, i);
-    double *v = g->v + 2 * i, *x = g->x + 2 * i, r2 = 0, v2 = 0;
-    for (int k = 0; k < 2; k++) {
-      v[k] = free * (a * v[k] + b * g->f[2 * i + k]);
-      v2 += v[k] * v[k];
-    }
-    const double slower = v2 > fastest * fastest ? fastest / sqrt(v2) : 1;
-    for (int k = 0; k < 2; k++) {
-      v[k] *= slower;
-      x[k] += dt * v[k];
-      r2 += (x[k] - g->x0[2 * i + k]) * (x[k] - g->x0[2 * i + k]);
-    }
-    far = r2 > far ? r2 : far;
-  }
+               fastest = 0.9 * g->slack / dt, far = gh_relax_move(g, a, b, dt);
   for (int i = 0; i < g->n && !s->law->fixed_rotations; i++) { /* m/I = -2 couple/r */
     const double w = s->radius[i] * a * s->w[i] - 2 * b * couple[i],
                  limited = w > fastest ? fastest : (w < -fastest ? -fastest : w);

@@ -35,6 +35,7 @@ static void add_program(cJSON *root, const gh_scene *s) {
   text(o, "version", GH_VERSION);
   text(o, "compiler", __VERSION__);
   text(o, "flags", GH_BUILD_FLAGS);
+  text(o, "build", gh_build());
   number(o, "lammps", s->micro.engine == GH_ENGINE_LAMMPS ? gh_engine_lammps_version() : NAN);
 }
 

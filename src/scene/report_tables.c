@@ -139,6 +139,15 @@ static gh_status draw_increments(report *r) {
   return status;
 }
 
+static void tell_counts(const report *r) {
+  const double pairs = summary(r, "pair_evaluations"); /* old runs do not tell */
+  gh_text_print(r->out, "<p>%.0f evaluations of packings, %.0f relaxation steps, ", summary(r, "evaluations"),
+                summary(r, "relaxation_steps"));
+  if (isfinite(pairs)) gh_text_print(r->out, "%.0f pair evaluations, ", pairs);
+  gh_text_print(r->out, "%.0f factorisations. These counts do not depend on the machine or its load.</p>\n",
+                summary(r, "factorisations"));
+}
+
 gh_status report_time(report *r) {
   gh_text_print(r->out, "<h2 id=\"time\">Time</h2>\n");
   if (!isfinite(seconds(r, "total")))
@@ -152,11 +161,6 @@ gh_status report_time(report *r) {
   }
   GH_TRY(draw_increments(r));
   gh_text_print(r->out, "</div>\n");
-  if (isfinite(summary(r, "evaluations")))
-    gh_text_print(
-        r->out,
-        "<p>%.0f evaluations of packings, %.0f relaxation steps, %.0f factorisations. These counts do "
-        "not depend on the machine's load.</p>\n",
-        summary(r, "evaluations"), summary(r, "relaxation_steps"), summary(r, "factorisations"));
+  if (isfinite(summary(r, "evaluations"))) tell_counts(r);
   return GH_OK;
 }

@@ -5,7 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { COLUMNS = 9, MOST_CUTS = 6 };
+enum { COLUMNS = 9 };
 /* Of other programs: as `granhom crosscheck` has them. */
 enum { STEPS_A_ROW = 50 };
 static const double LONGEST = 3600; /* seconds for a path */
@@ -35,13 +35,15 @@ typedef struct walk {
   study_run *run;
   gh_rve *rve;
   size_t capacity;
+  long parts;
   double work, first_energy, largest; /* P : dF by the trapezoidal rule; for the energy defect */
   double F[4], P[4];                  /* of the last part */
 } walk;
 
 /* Hill-Mandel along the parts of the path: work of the stress against what the packing stores and has
  * dissipated. */
-static void balance(walk *w, const gh_rve_measures *m, bool first) {
+static void balance(walk *w, const gh_rve_measures *m) {
+  const bool first = w->parts++ == 0;
   if (first) w->first_energy = m->energy;
   for (int c = 0; c < 4 && !first; c++) w->work += 0.5 * (w->P[c] + m->P[c]) * (m->F[c] - w->F[c]);
   memcpy(w->P, m->P, sizeof w->P);
@@ -51,28 +53,19 @@ static void balance(walk *w, const gh_rve_measures *m, bool first) {
   w->run->energy_defect = w->largest > 0 ? (w->work - gained) / w->largest : 0;
 }
 
-/* Evaluates at `to` and commits. An increment that has no equilibrium is cut; its parts are committed. */
-static gh_status reach(walk *w, const double from[4], const double to[4], bool first) {
-  double t = 0, dt = 1, P[4];
-  for (int level = 0; t < 1;) {
-    double F[4];
-    bool last = t + dt == 1;
-    for (int c = 0; c < 4; c++) F[c] = last ? to[c] : from[c] + (t + dt) * (to[c] - from[c]);
-    gh_status status = gh_rve_evaluate(w->rve, F, 0, P, NULL);
-    if (status == GH_DIVERGED && level < MOST_CUTS && !first) {
-      GH_TRY(gh_rve_revert(w->rve));
-      dt /= 2, level++, w->run->cuts++;
-      continue;
-    }
-    GH_TRY(status);
-    const gh_rve_measures *m = gh_rve_measure(w->rve);
-    w->run->residual = fmax(w->run->residual, m->residual);
-    balance(w, m, first);
-    GH_TRY(gh_rve_commit(w->rve));
-    t += dt;
-    if (level > 0 && fmod(t, 2 * dt) == 0) dt *= 2, level--;
-  }
-  return GH_OK;
+static void count(void *data, const gh_rve_measures *m) {
+  walk *w = data;
+  w->run->residual = fmax(w->run->residual, m->residual);
+  balance(w, m);
+}
+
+static gh_status reach(walk *w, const double from[4], const double to[4]) {
+  gh_rve_way way = {.count = count, .data = w};
+  memcpy(way.from, from, sizeof way.from);
+  memcpy(way.to, to, sizeof way.to);
+  gh_status status = gh_rve_reach(w->rve, &way, NULL);
+  w->run->cuts += way.cuts;
+  return status == GH_OK ? gh_rve_commit(w->rve) : status;
 }
 
 static gh_status add_row(walk *w, double t) {
@@ -89,7 +82,7 @@ static gh_status rows(walk *w) {
   for (int k = 0; k < path->rows; k++) {
     const double *to = path->F + 4 * k, *from = k ? to - 4 : to;
     if (study_stopped(w->stop)) return gh_fail(w->p->ctx, GH_STOPPED, "stopped on request");
-    gh_status status = reach(w, from, to, k == 0);
+    gh_status status = reach(w, from, to);
     if (status == GH_OK) status = add_row(w, path->t[k]);
     if (status != GH_OK) return gh_prefix(w->p->ctx, status, "t = %.6g: ", path->t[k]);
   }

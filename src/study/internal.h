@@ -37,6 +37,7 @@ typedef struct study_run {
   char id[20];         /* hash of all that the answer depends on: name of its record */
   const char *packing; /* file of this member; belongs to the setting */
   bool finished;       /* there is a record; failed runs are finished, too */
+  bool other_build;    /* and it was written by another build of granhom */
   gh_status status;    /* GH_OK, or why it ended early: the curve then is what came before */
   char message[512];
   double wall, core; /* seconds: of the clock; of the processor, all threads */
@@ -122,7 +123,8 @@ typedef struct study_judged {
                      squares of both intervals (where the reference is no ensemble: the confidence) */
   double wall, core, force_evaluations, pair_evaluations, factorisations, evaluations, iterations, cuts,
       jumps;                      /* means over the members */
-  double residual, energy_defect; /* largest over the members that tell theirs; NAN: none does */
+  double residual, energy_defect; /* largest (the defect: in magnitude, with its sign) over the members that
+                                     tell theirs; NAN: none does */
   bool pareto, pareto_count; /* no other setting is at least as accurate and as cheap, and better in one of
                                 the two: by core seconds; by pair evaluations, or by factorisations in a study
                                 without pair evaluations */

@@ -82,6 +82,11 @@ static void add_costs(study_judged *row, const study_run *r, double share) {
   row->jumps += share * (double)r->jumps;
 }
 
+/* Of two defects, which have a sign, the larger one; NAN counts for nothing. */
+static double larger(double a, double b) {
+  return isnan(a) || fabs(b) > fabs(a) ? b : a;
+}
+
 /* Means over the runs that came to the end. */
 static void judge_costs(const study_setting *g, study_judged *row) {
   row->residual = row->energy_defect = NAN;
@@ -92,7 +97,7 @@ static void judge_costs(const study_setting *g, study_judged *row) {
     if (!study_run_done(r)) continue;
     add_costs(row, r, 1.0 / row->members);
     row->residual = fmax(row->residual, r->residual); /* fmax passes over NAN */
-    row->energy_defect = fmax(row->energy_defect, r->energy_defect);
+    row->energy_defect = larger(row->energy_defect, r->energy_defect);
   }
 }
 

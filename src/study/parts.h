@@ -21,6 +21,11 @@ void study_curve_free(study_curve *curve);
 gh_status study_plan(gh_study *s);
 /* The value that a setting has for a key ("micro.tolerance", "refine", "packing"); NULL: that of the file. */
 const char *study_value(const gh_study *s, const study_setting *setting, const char *key);
+/* The line of the study's file that sets a key for a setting. */
+int study_line(const gh_study *s, const study_setting *setting, const char *key);
+/* Keys are set one after the other: base, knobs, reference. GH_INPUT: a later one would replace the map or
+ * list that an earlier one has an entry of. */
+gh_status study_check_keys(const gh_study *s);
 /* All keys that a setting sets, each once, in the order of base, knobs and reference. The strings belong to
  * the study, *list to the caller. `line`: of the key in the study's file; may be NULL. */
 gh_status study_overrides(const gh_study *s, const study_setting *setting, gh_override **list, int **line,
@@ -39,6 +44,8 @@ typedef struct study_path {
 /* `path` of an rve, each increment in `refine` parts; files are relative to folder. */
 gh_status study_path_read(gh_context *ctx, node path, const char *folder, long refine, study_path *out);
 void study_path_free(study_path *path);
+/* At every t that both have, F is the same. False: *t is the first where it is not. */
+bool study_path_agree(const study_path *a, const study_path *b, double *t);
 
 /* ---- problem.c: what one run computes ---- */
 
@@ -133,6 +140,8 @@ enum { STUDY_NOTE = 1024 };
 void study_team_tell(study_team *team, const char *note);
 /* On rank 0: hear(data, note) for each note that has come. Elsewhere nothing. */
 void study_team_listen(study_team *team, void (*hear)(void *data, const char *note), void *data);
+/* Whether all ranks have this number. Collective. */
+bool study_team_alike(study_team *team, uint64_t number);
 /* The flags of rank 0, on all. */
 void study_team_share(study_team *team, unsigned char *flags, int n);
 /* Every rank gives its text, rank 0 takes those of all others, in the order of the ranks; waits for them, and

@@ -3,6 +3,7 @@
 #include "scene/read.h"
 #include "study/parts.h"
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -140,4 +141,20 @@ gh_status study_path_read(gh_context *ctx, node path, const char *folder, long r
       gh_yaml_has(legs) ? read_legs(ctx, legs, refine, p) : read_file(ctx, file, folder, refine, p);
   if (status != GH_OK) study_path_free(p);
   return status;
+}
+
+bool study_path_agree(const study_path *a, const study_path *b, double *t) {
+  static const double same = 1e-12;
+  for (int i = 0, j = 0; i < a->rows && j < b->rows;) {
+    const double later = a->t[i] - b->t[j];
+    if (fabs(later) > same * fmax(1, fabs(a->t[i]))) {
+      *(later > 0 ? &j : &i) += 1;
+      continue;
+    }
+    for (int c = 0; c < 4; c++)
+      if (fabs(a->F[4 * i + c] - b->F[4 * j + c]) > same * fmax(1, fabs(a->F[4 * i + c])))
+        return *t = a->t[i], false;
+    i++, j++;
+  }
+  return true;
 }

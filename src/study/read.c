@@ -98,20 +98,21 @@ static gh_status read_knobs(gh_study *s, node vary) {
   return GH_OK;
 }
 
-/* The knob that an optional key names. quick: it may be one that only the whole study has. */
-static gh_status read_knob_name(const gh_study *s, node n, const char *what, int *knob) {
+/* The knob that an optional key names. `whole`: `vary` of the whole study; with --quick, a name that is there
+ * alone is none. */
+static gh_status read_knob_name(const gh_study *s, node whole, node n, const char *what, int *knob) {
   const char *name;
   if (!gh_yaml_has(n)) return GH_OK;
   GH_TRY(gh_yaml_text(n, what, &name));
   for (int k = 0; k < s->nknobs; k++)
     if (strcmp(s->knobs[k].name, name) == 0) return *knob = k, GH_OK;
-  if (s->quick) return GH_OK;
+  if (gh_yaml_is_map(whole) && gh_yaml_has(gh_yaml_get(whole, name))) return GH_OK;
   return gh_yaml_fail(n, "%s: '%s' is none of the keys under vary", what, name);
 }
 
-static gh_status read_order(gh_study *s, node n) {
+static gh_status read_order(gh_study *s, node whole, node n) {
   s->order = -1;
-  GH_TRY(read_knob_name(s, n, "order", &s->order));
+  GH_TRY(read_knob_name(s, whole, n, "order", &s->order));
   for (int k = 0; s->order >= 0 && k < s->knobs[s->order].nvalues; k++)
     if (!(s->knobs[s->order].number[k] > 0))
       return gh_yaml_fail(n, "order: the values of %s must be numbers above 0, and '%s' is none",
@@ -311,21 +312,62 @@ static gh_status take_columns(gh_study *s, int setting, const study_problem *p) 
   return s->force_unit ? GH_OK : study_copy(s->ctx, p->scene->force_unit, &s->force_unit);
 }
 
-static gh_status check_runs(gh_study *s) {
-  for (int k = 0; k < s->nsettings; k++)
-    for (int m = 0; m < s->settings[k].nruns; m++) {
-      study_problem p;
-      study_run *run = s->settings[k].runs + m;
-      gh_status status = study_problem_open(s->ctx, s, k, m, -1, &p);
-      if (status == GH_INPUT) status = blame(s, k, m);
-      if (status == GH_OK) {
-        memcpy(run->id, p.id, sizeof run->id);
-        status = take_columns(s, k, &p);
-      }
-      study_problem_close(&p);
-      GH_TRY(status);
-    }
+/* An ensemble with copies would look surer of its mean than it is. */
+static gh_status check_copies(gh_study *s, int setting) {
+  const study_setting *one = s->settings + setting;
+  for (int m = 1; m < one->nruns; m++)
+    for (int k = 0; k < m; k++)
+      if (strcmp(one->runs[k].id, one->runs[m].id) == 0)
+        return gh_fail(s->ctx, GH_INPUT, "%s:%d: packing: %s and %s hold the same: members must differ",
+                       s->path, study_line(s, one, "packing"), one->files[k], one->files[m]);
   return GH_OK;
+}
+
+static gh_status check_run(gh_study *s, int setting, int member, study_path *path) {
+  study_problem p;
+  study_run *run = s->settings[setting].runs + member;
+  gh_status status = study_problem_open(s->ctx, s, setting, member, -1, &p);
+  if (status == GH_INPUT) status = blame(s, setting, member);
+  if (status == GH_OK) {
+    memcpy(run->id, p.id, sizeof run->id);
+    status = take_columns(s, setting, &p);
+  }
+  if (member == 0) {
+    *path = p.path;
+    p.path = (study_path){0};
+  }
+  study_problem_close(&p);
+  return status;
+}
+
+/* What is compared at one t must have been deformed alike. */
+static gh_status check_paths(gh_study *s, const study_path *path) {
+  for (int k = 0; k < s->nsettings && !s->scene; k++) {
+    const int with = s->settings[k].reference >= 0 ? s->settings[k].reference : 0;
+    char name[256];
+    double t;
+    if (study_path_agree(path + k, path + with, &t)) continue;
+    study_run_name(s, k, -1, name, sizeof name);
+    return gh_fail(s->ctx, GH_INPUT,
+                   "%s:%d: reference: %s: at t = %g, F is not that of what it is compared with; t counts the "
+                   "rows of a path, and `refine` alone keeps them in their places",
+                   s->path, s->reference_line, name, t);
+  }
+  return GH_OK;
+}
+
+static gh_status check_runs(gh_study *s) {
+  study_path *path;
+  gh_status status = GH_OK;
+  GH_TRY(gh_alloc(s->ctx, (size_t)s->nsettings, sizeof *path, &path));
+  for (int k = 0; k < s->nsettings && status == GH_OK; k++) {
+    for (int m = 0; m < s->settings[k].nruns && status == GH_OK; m++) status = check_run(s, k, m, path + k);
+    if (status == GH_OK) status = check_copies(s, k);
+  }
+  if (status == GH_OK) status = check_paths(s, path);
+  for (int k = 0; k < s->nsettings; k++) study_path_free(path + k);
+  free(path);
+  return status;
 }
 
 /* ---- the whole ---- */
@@ -349,9 +391,11 @@ static gh_status read_root(gh_study *s, node root) {
   if (gh_yaml_has(gh_yaml_get(quick, "reference"))) reference = gh_yaml_get(quick, "reference");
   GH_TRY(read_knobs(s, vary));
   GH_TRY(read_reference(s, reference));
-  GH_TRY(read_order(s, gh_yaml_get(root, "order")));
-  GH_TRY(read_knob_name(s, gh_yaml_get(root, "series"), "series", &s->series));
+  const node whole = gh_yaml_get(root, "vary");
+  GH_TRY(read_order(s, whole, gh_yaml_get(root, "order")));
+  GH_TRY(read_knob_name(s, whole, gh_yaml_get(root, "series"), "series", &s->series));
   GH_TRY(read_goals(s, gh_yaml_get(root, "goals")));
+  GH_TRY(study_check_keys(s));
   GH_TRY(study_plan(s));
   GH_TRY(check_runs(s));
   GH_TRY(choose_quantities(s, gh_yaml_get(root, "quantities")));

@@ -98,6 +98,7 @@ gh_status study_record_print(const gh_study *s, int setting, const study_run *ru
   gh_text_print(out, "{\n");
   put_string(out, "id", run->id);
   put_string(out, "program", "granhom " GH_VERSION);
+  put_string(out, "build", run->other_build ? "another" : gh_build());
   put_string(out, "problem", s->scene ? s->scene_path : s->path);
   GH_TRY(put_overrides(s, s->settings + setting, out));
   if (run->packing) put_string(out, "packing", run->packing);
@@ -209,6 +210,8 @@ static gh_status get_run(const gh_study *s, const cJSON *root, study_run *run) {
   const char *id;
   GH_TRY(get_text(s, root, "id", &id));
   if (strcmp(id, run->id) != 0) return damaged(s, "it belongs to another run");
+  const char *build = cJSON_GetStringValue(cJSON_GetObjectItemCaseSensitive(root, "build"));
+  run->other_build = !build || strcmp(build, gh_build()) != 0;
   GH_TRY(get_status(s, root, run));
   GH_TRY(get_number(s, root, "wall_seconds", &run->wall));
   GH_TRY(get_number(s, root, "core_seconds", &run->core));
@@ -239,10 +242,10 @@ gh_status study_record_parse(const gh_study *s, const char *text, study_run *run
 /* ---- files ---- */
 
 gh_status study_record_path(const gh_study *s, const char *folder, const char *id, char **path) {
-  size_t size = strlen(folder) + strlen(id) + 16;
-  GH_TRY(gh_alloc(s->ctx, size, 1, path));
-  snprintf(*path, size, "%s/runs/%s.json", folder, id);
-  return GH_OK;
+  char name[32];
+  snprintf(name, sizeof name, "runs/%s.json", id);
+  *path = gh_path_join(folder, name);
+  return *path ? GH_OK : gh_fail(s->ctx, GH_MEMORY, "no memory for a path");
 }
 
 bool study_record_find(const gh_study *s, const char *folder, study_run *run) {

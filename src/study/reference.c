@@ -53,6 +53,8 @@ static gh_status take_file(gh_study *s) {
   if (status == GH_OK) status = gh_alloc(s->ctx, (size_t)s->ncolumns, sizeof *column, &column);
   if (status == GH_OK) status = gh_alloc(s->ctx, (size_t)s->ncolumns, sizeof *value, &value);
   if (status == GH_OK) status = find_columns(s, csv, column, &t);
+  if (status == GH_OK && csv->nrows < 1)
+    status = gh_fail(s->ctx, GH_INPUT, "%s: there are no rows", s->reference_file);
   if (status == GH_OK) status = take_rows(s, csv, column, t, value);
   free(column);
   free(value);

@@ -196,7 +196,9 @@ static void print_foot(const gh_study *s, int k, study_style style, gh_text *out
   char name[STUDY_CELL];
   const study_judged *row = s->verdict->row + k;
   study_name(s, k, -1, name, sizeof name);
-  gh_text_print(out, "%s[%d] ", style == STUDY_MARKDOWN ? "- " : "", note_of(s, k));
+  gh_text_print(out, "%s", style == STUDY_MARKDOWN ? "- " : "");
+  if (s->settings[k].extra) gh_text_print(out, "reference ");
+  else gh_text_print(out, "[%d] ", note_of(s, k));
   study_print_escaped(out, style, name);
   gh_text_print(out, ":");
   print_failure(s, k, style, out);
@@ -210,9 +212,9 @@ void study_print_rows(const gh_study *s, study_style style, gh_text *out) {
   while (setting_of(s, t.rows) >= 0) t.rows++;
   while (column_kind(s, t.columns, &index) != NO_KIND) t.columns++;
   study_print_table(&t, style, out);
-  for (int row = 0; row < t.rows; row++) {
-    int k = setting_of(s, row);
-    if (!note_of(s, k)) continue;
+  for (int k = 0; k < s->nsettings;
+       k++) { /* references that have no row of their own stand behind the rows */
+    if (!has_note(s, k)) continue;
     if (notes++ == 0) gh_text_print(out, "\n");
     print_foot(s, k, style, out);
   }

@@ -1,12 +1,15 @@
 /* All runs of a study, spread over the ranks; then tables and pictures. SPDX-License-Identifier:
  * GPL-2.0-or-later */
+#include "scene/internal.h"
 #include "study/parts.h"
 
+#include <errno.h>
 #include <limits.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/resource.h>
 #include <time.h>
+#include <unistd.h>
 
 /* A run among all. */
 typedef struct place {
@@ -17,6 +20,7 @@ typedef struct job {
   gh_study *s;
   const char *folder;
   study_team *team;
+  bool fresh;
   int total;   /* all runs */
   place *all;  /* by id; those of one id are one run, the first of them does it */
   place *todo; /* what has no record yet */
@@ -99,10 +103,10 @@ static gh_status compute(job *j, place at, study_run *run) {
   study_problem p;
   if (gh_context_create(&quiet) != GH_OK) return gh_fail(j->s->ctx, GH_MEMORY, "no memory for a run");
   gh_status status = study_problem_open(quiet, j->s, at.setting, at.member, -1, &p);
-  if (status != GH_OK) {
-    gh_fail(j->s->ctx, status, "%s", gh_message(quiet));
+  if (status != GH_OK) { /* it was in order when the study was read */
+    status = gh_fail(j->s->ctx, status == GH_INPUT ? GH_SYSTEM : status, "%s", gh_message(quiet));
   } else if (strcmp(p.id, run->id) != 0) {
-    status = gh_fail(j->s->ctx, GH_INPUT, "files of this run have changed since the study began");
+    status = gh_fail(j->s->ctx, GH_SYSTEM, "files of this run have changed since the study began");
   } else {
     measure(j, &p, run);
   }
@@ -261,19 +265,61 @@ static gh_status list_runs(job *j) {
   return GH_OK;
 }
 
-/* Rank 0: folders, and which runs have no record (flags by `all`). */
-static gh_status prepare(const job *j, bool fresh, unsigned char *flags) {
-  gh_study *s = j->s;
+/* All ranks have read the same study: they tell each other runs by numbers. */
+static gh_status agree_on_runs(job *j, gh_status status) {
+  uint64_t sum = study_hash(study_hash_begin, &j->total, sizeof j->total);
+  for (int k = 0; k < j->total && status == GH_OK; k++) {
+    const char *id = run_at(j->s, j->all[k])->id;
+    sum = study_hash(study_hash(sum, id, strlen(id)), j->all + k, sizeof *j->all);
+  }
+  const bool alike = study_team_alike(j->team, status == GH_OK ? sum : ~sum);
+  if (status != GH_OK || alike) return status;
+  return gh_fail(j->s->ctx, GH_INPUT,
+                 "the ranks have read different studies: each must see the same files (this one: %d runs)",
+                 j->total);
+}
+
+/* The folder for records, which can be written. */
+static gh_status make_folder(const job *j) {
+  gh_context *ctx = j->s->ctx;
+  GH_TRY(scene_results_check(ctx, j->folder));
   char *runs = gh_path_join(j->folder, "runs");
-  if (!runs) return gh_fail(s->ctx, GH_MEMORY, "no memory for a path");
-  gh_status status = gh_folder_make(s->ctx, runs);
+  if (!runs) return gh_fail(ctx, GH_MEMORY, "no memory for a path");
+  gh_status status = scene_results_check(ctx, runs);
+  if (status == GH_OK) status = gh_folder_make(ctx, runs);
   free(runs);
-  GH_TRY(status);
+  return status;
+}
+
+/* An old record would be taken for a new one where a fresh study is stopped and goes on. */
+static gh_status forget(const job *j, const study_run *run) {
+  char *path;
+  GH_TRY(study_record_path(j->s, j->folder, run->id, &path));
+  gh_status status = unlink(path) == 0 || errno == ENOENT
+                         ? GH_OK
+                         : gh_fail(j->s->ctx, GH_SYSTEM, "%s: cannot remove: %s", path, strerror(errno));
+  free(path);
+  return status;
+}
+
+/* Rank 0: folders, and which runs have no record (flags by `all`). */
+static gh_status prepare(const job *j, unsigned char *flags) {
+  gh_study *s = j->s;
+  int others = 0;
+  GH_TRY(make_folder(j));
   for (int k = 0; k < j->total; k++) {
     study_run *run = run_at(s, j->all[k]);
     run->finished = false;
-    flags[k] = is_first(j, k) && (fresh || !study_record_find(s, j->folder, run));
+    if (!is_first(j, k)) continue;
+    if (j->fresh) GH_TRY(forget(j, run));
+    flags[k] = !study_record_find(s, j->folder, run);
+    others += run->finished && run->other_build;
   }
+  if (others > 0)
+    gh_log(s->ctx, GH_LEVEL_WARNING,
+           "%d runs have a record of another build of granhom, which may answer otherwise: a fresh study "
+           "repeats them",
+           others);
   return GH_OK;
 }
 
@@ -283,11 +329,11 @@ static int by_place(const void *a, const void *b) {
 }
 
 /* What is to be done, in the order of the file. */
-static gh_status plan(job *j, bool fresh) {
+static gh_status plan(job *j) {
   unsigned char *flags = NULL;
-  gh_status status = list_runs(j);
+  gh_status status = agree_on_runs(j, list_runs(j));
   if (status == GH_OK) status = gh_alloc(j->s->ctx, (size_t)j->total, sizeof *flags, &flags);
-  if (status == GH_OK && study_team_rank(j->team) == 0) status = prepare(j, fresh, flags);
+  if (status == GH_OK && study_team_rank(j->team) == 0) status = prepare(j, flags);
   status = (gh_status)study_team_agree(j->team, (int)status);
   if (status == GH_OK) {
     study_team_share(j->team, flags, j->total);
@@ -316,6 +362,20 @@ static gh_status write_text(gh_study *s, const char *folder, const char *name,
   return status;
 }
 
+/* What an earlier study of this folder has left: its pictures may be none of this one's. */
+static gh_status clear_old(const job *j) {
+  static const char *const names[] = {"study.csv", "curves.csv",         "study.md",
+                                      "order.png", "work-precision.png", "work-precision-count.png",
+                                      "curves.png"};
+  for (size_t k = 0; k < sizeof names / sizeof *names; k++) {
+    char *path = gh_path_join(j->folder, names[k]);
+    if (!path) return gh_fail(j->s->ctx, GH_MEMORY, "no memory for a path");
+    unlink(path); /* what cannot be removed cannot be written either, and that is told */
+    free(path);
+  }
+  return GH_OK;
+}
+
 /* A study without any answer has failed; its tables say why. */
 static gh_status look_for_results(gh_study *s) {
   char name[256];
@@ -333,6 +393,7 @@ static gh_status conclude(job *j) {
   GH_TRY(copy_twins(j));
   study_verdict_destroy(s);
   GH_TRY(study_judge(s));
+  GH_TRY(clear_old(j));
   GH_TRY(write_text(s, folder, "study.csv", study_write_csv));
   GH_TRY(write_text(s, folder, "curves.csv", study_write_curves));
   GH_TRY(write_text(s, folder, "study.md", study_write_markdown));
@@ -342,16 +403,21 @@ static gh_status conclude(job *j) {
 
 static gh_status tell_stop(job *j) {
   int finished = 0;
-  for (int k = 0; k < j->total; k++) finished += run_at(j->s, j->all[k])->finished;
-  return gh_fail(j->s->ctx, GH_STOPPED,
-                 "stopped on request: %d of %d runs are finished and stay; the same command goes on with the "
-                 "others",
-                 finished, j->total);
+  bool done = false;
+  for (int k = 0; k < j->total; k++) {
+    done = is_first(j, k) ? run_at(j->s, j->all[k])->finished : done; /* twins share a record */
+    finished += done;
+  }
+  return gh_fail(
+      j->s->ctx, GH_STOPPED,
+      "stopped on request: %d of %d runs are finished and stay; the same command%s goes on with the "
+      "others",
+      finished, j->total, j->fresh ? " without --fresh" : "");
 }
 
 /* All ranks go through the same steps, whatever becomes of them. */
-static gh_status run_all(job *j, bool fresh) {
-  GH_TRY(plan(j, fresh));
+static gh_status run_all(job *j) {
+  GH_TRY(plan(j));
   const bool first = study_team_rank(j->team) == 0;
   const int had = j->total - j->count;
   if (first && had > 0)
@@ -368,10 +434,10 @@ static gh_status run_all(job *j, bool fresh) {
 gh_status gh_study_run(gh_study *s, const char *folder, const gh_study_options *options) {
   const gh_study_options none = {0}, *o = options ? options : &none;
   const study_stop stop = {.asked = o->stop, .data = o->stop_data};
-  job j = {.s = s, .folder = folder};
+  job j = {.s = s, .folder = folder, .fresh = o->fresh};
   GH_TRY(study_team_create(s->ctx, o->comm, &stop, &j.team));
   gh_status status = gh_text_create(s->ctx, &j.given);
-  if (status == GH_OK) status = run_all(&j, o->fresh);
+  if (status == GH_OK) status = run_all(&j);
   gh_text_destroy(&j.given);
   free(j.all);
   free(j.todo);

@@ -162,6 +162,19 @@ static void note_references(const gh_study *s, gh_text *out) {
   gh_text_print(out, " s of one core%s.", study_has_ensembles(s) ? " a packing" : "");
 }
 
+/* Answers and seconds that may not be those of this program. */
+static void note_builds(const gh_study *s, gh_text *out) {
+  int others = 0, all = 0;
+  for (int k = 0; k < s->nsettings; k++)
+    for (int m = 0; m < s->settings[k].nruns; m++, all++) others += s->settings[k].runs[m].other_build;
+  if (others > 0)
+    gh_text_print(
+        out,
+        " %d of %d runs were computed by another build of granhom, which may answer otherwise and take "
+        "other times: --fresh repeats them.",
+        others, all);
+}
+
 static bool any_zero(const gh_study *s) {
   for (int k = 0; k < s->nsettings; k++)
     if (study_is_rated(s, k) && study_error_of(s, k) == 0) return true;
@@ -179,6 +192,7 @@ void study_print_notes(const gh_study *s, gh_text *out) {
     gh_text_print(out, ", in time, in work (%s), or in both", study_count_name(counted));
   gh_text_print(out, ".");
   note_references(s, out);
+  note_builds(s, out);
   if (study_has_ensembles(s))
     gh_text_print(out,
                   " With ensembles the error is that of the mean over the packings, +- the half width of "

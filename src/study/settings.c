@@ -31,12 +31,19 @@ const char *study_value(const gh_study *s, const study_setting *setting, const c
   return e ? e->value : NULL;
 }
 
-static int line_of(const gh_study *s, const study_setting *setting, const char *key) {
+int study_line(const gh_study *s, const study_setting *setting, const char *key) {
   const study_entry *e = setting->extra ? find_entry(s->tighter, s->ntighter, key) : NULL;
   int knob = find_knob(s, key);
   if (!e && knob >= 0) return s->knobs[knob].line;
   if (!e) e = find_entry(s->base, s->nbase, key);
   return e ? e->line : s->problem_line;
+}
+
+/* Keys in the order in which they are set: of base, knobs, reference. */
+static const char *key_of(const gh_study *s, int k) {
+  if (k < s->nbase) return s->base[k].key;
+  k -= s->nbase;
+  return k < s->nknobs ? s->knobs[k].name : s->tighter[k - s->nknobs].key;
 }
 
 gh_status study_overrides(const gh_study *s, const study_setting *setting, gh_override **list, int **line,
@@ -52,16 +59,40 @@ gh_status study_overrides(const gh_study *s, const study_setting *setting, gh_ov
     return status;
   }
   for (int k = 0; k < most; k++) {
-    const char *key = k < s->nbase               ? s->base[k].key
-                      : k < s->nbase + s->nknobs ? s->knobs[k - s->nbase].name
-                                                 : s->tighter[k - s->nbase - s->nknobs].key;
+    const char *key = key_of(s, k);
     bool known = false;
     for (int j = 0; j < n; j++) known = known || strcmp((*list)[j].key, key) == 0;
     if (known) continue;
-    if (line) (*line)[n] = line_of(s, setting, key);
+    if (line) (*line)[n] = study_line(s, setting, key);
     (*list)[n++] = (gh_override){.key = key, .value = study_value(s, setting, key)};
   }
   *count = n;
+  return GH_OK;
+}
+
+/* `key` is a part of what `whole` holds. */
+static bool is_within(const char *key, const char *whole) {
+  size_t n = strlen(whole);
+  return strncmp(key, whole, n) == 0 && key[n] == '.';
+}
+
+static bool is_first_key(const gh_study *s, int k) {
+  for (int j = 0; j < k; j++)
+    if (strcmp(key_of(s, j), key_of(s, k)) == 0) return false;
+  return true;
+}
+
+gh_status study_check_keys(const gh_study *s) {
+  const study_setting all = {.extra = true}; /* whose keys may come from each of the three */
+  const int most = s->nbase + s->nknobs + s->ntighter;
+  for (int j = 0; j < most; j++)
+    for (int i = 0; i < most; i++) {
+      const char *whole = key_of(s, j), *part = key_of(s, i);
+      const bool later = i < j || strcmp(whole, "packing") == 0; /* packings are set last */
+      if (!is_within(part, whole) || !later || !is_first_key(s, j)) continue;
+      return gh_fail(s->ctx, GH_INPUT, "%s:%d: %s replaces %s as well, which line %d sets", s->path,
+                     study_line(s, &all, whole), whole, part, study_line(s, &all, part));
+    }
   return GH_OK;
 }
 
@@ -196,10 +227,26 @@ static gh_status plain_text(gh_study *s, const char *value, char **text) {
   return status;
 }
 
+/* The pattern in the study's folder, whose own name is none. */
+static char *place_pattern(const char *folder, const char *pattern) {
+  char *plain = malloc(2 * strlen(folder) + 1), *path = NULL;
+  size_t n = 0;
+  for (const char *c = folder; plain && *c; c++) {
+    if (strchr("*?[\\", *c)) plain[n++] = '\\';
+    plain[n++] = *c;
+  }
+  if (plain) {
+    plain[n] = 0;
+    path = gh_path_join(plain, pattern);
+  }
+  free(plain);
+  return path;
+}
+
 /* Files that fit the pattern, ascending; at least one. */
 static gh_status find_files(gh_study *s, const char *pattern, study_setting *one) {
   glob_t found = {0};
-  char *path = gh_path_join(s->folder, pattern);
+  char *path = place_pattern(s->folder, pattern);
   if (!path) return gh_fail(s->ctx, GH_MEMORY, "no memory for a path");
   int code = glob(path, 0, NULL, &found);
   free(path);
@@ -225,7 +272,7 @@ static gh_status find_members(gh_study *s, study_setting *one) {
   if (status == GH_OK) status = find_files(s, pattern, one);
   free(pattern);
   if (status == GH_INPUT)
-    return gh_prefix(s->ctx, status, "%s:%d: packing: %s: ", s->path, line_of(s, one, "packing"), value);
+    return gh_prefix(s->ctx, status, "%s:%d: packing: %s: ", s->path, study_line(s, one, "packing"), value);
   GH_TRY(status);
   GH_TRY(gh_alloc(s->ctx, (size_t)one->nruns, sizeof *one->runs, &one->runs));
   for (int k = 0; k < one->nruns; k++) one->runs[k].packing = one->files[k];

@@ -96,34 +96,30 @@ void study_write_curves(const gh_study *s, gh_text *out) {
 
 /* ---- for people ---- */
 
+static void print_all(const gh_study *s, study_style style, const char *lead, gh_text *out) {
+  gh_text_print(out, "\n");
+  study_print_subject(s, style, out);
+  gh_text_print(out, "\n");
+  study_print_sentences(s, style, lead, out);
+  gh_text_print(out, "\n");
+  study_print_rows(s, style, out);
+  gh_text_print(out, "\n");
+  study_print_notes(s, out);
+  if (s->order < 0 || s->verdict->nfits == 0) return;
+  gh_text_print(out, "\n");
+  study_print_orders(s, style, out);
+}
+
 void study_write_markdown(const gh_study *s, gh_text *out) {
   if (!s->verdict) return;
   gh_text_print(out, "# ");
   study_print_escaped(out, STUDY_MARKDOWN, s->title ? s->title : "Study");
-  gh_text_print(out, "\n\n");
-  study_print_subject(s, STUDY_MARKDOWN, out);
   gh_text_print(out, "\n");
-  study_print_sentences(s, STUDY_MARKDOWN, "- ", out);
-  gh_text_print(out, "\n");
-  study_print_rows(s, STUDY_MARKDOWN, out);
-  gh_text_print(out, "\n");
-  study_print_notes(s, out);
-  if (s->order < 0 || s->verdict->nfits == 0) return;
-  gh_text_print(out, "\n");
-  study_print_orders(s, STUDY_MARKDOWN, out);
+  print_all(s, STUDY_MARKDOWN, "- ", out);
 }
 
 void gh_study_print(const gh_study *s, gh_text *out) {
   if (!s->verdict) return;
-  gh_text_print(out, "%s%s", s->title ? s->title : "", s->title ? "\n" : "");
-  study_print_subject(s, STUDY_PLAIN, out);
-  gh_text_print(out, "\n");
-  study_print_sentences(s, STUDY_PLAIN, "", out);
-  gh_text_print(out, "\n");
-  study_print_rows(s, STUDY_PLAIN, out);
-  gh_text_print(out, "\n");
-  study_print_notes(s, out);
-  if (s->order < 0 || s->verdict->nfits == 0) return;
-  gh_text_print(out, "\n");
-  study_print_orders(s, STUDY_PLAIN, out);
+  if (s->title) gh_text_print(out, "%s", s->title);
+  print_all(s, STUDY_PLAIN, "", out);
 }

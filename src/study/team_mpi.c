@@ -131,6 +131,12 @@ static void wait_for(MPI_Request *request) {
   }
 }
 
+bool study_team_alike(study_team *t, uint64_t number) {
+  uint64_t both[2] = {number, ~number};
+  if (!t->alone) MPI_Allreduce(MPI_IN_PLACE, both, 2, MPI_UINT64_T, MPI_MAX, t->comm);
+  return both[0] == ~both[1]; /* the largest is the least one */
+}
+
 void study_team_share(study_team *t, unsigned char *flags, int n) {
   if (!t->alone) MPI_Bcast(flags, n, MPI_UNSIGNED_CHAR, 0, t->comm);
 }

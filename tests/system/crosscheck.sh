@@ -2,13 +2,9 @@
 # `granhom crosscheck` as users run it: table, files, refinement, programs that are missing, fail or hang, bad input.
 # SPDX-License-Identifier: GPL-2.0-or-later
 set -u
-. "$(dirname "$0")/../shell.sh" # ok, not_ok, check
-BUILD=$(cd "${BUILD:-build}" && pwd) || exit 1
-root=$(pwd)
+. "$(dirname "$0")/../shell.sh" # begin, check
+begin
 packing=$root/tests/data/cases/packings/p50d.data
-granhom=$BUILD/granhom
-work=$(mktemp -d) && cd "$work" || exit 1
-trap 'rm -rf "$work"' EXIT
 cross() { "$granhom" crosscheck "$packing" --normal-stiffness 1000 --tolerance 1e-10 "$@"; }
 # column FILE NAME: the values of a column
 column() { awk -F, -v name="$2" 'NR == 1 { for (c = 1; c <= NF; c++) if ($c == name) at = c; if (!at) exit 1; next } { print $at }' "$1"; }
@@ -85,16 +81,7 @@ check "too few steps: exit 1" test $? = 1
 check "too few steps: rows that were reached are kept" test "$(column short/crosscheck.csv gran_s11 | grep -c .)" = 1
 
 # --- bad input: exit 2, one message, nothing written ---
-mkdir clean
-refused() { # refused NAME WORDS ARGUMENTS...: in the empty folder `clean`
-  local name=$1 words=$2 code
-  shift 2
-  (cd clean && "$granhom" crosscheck "$@" >../said.out 2>../said.err)
-  code=$?
-  if [ $code = 2 ] && grep -qF -- "$words" said.err && [ ! -s said.out ] && [ -z "$(ls -A clean)" ]; then ok "refused: $name"
-  else not_ok "refused: $name" "exit $code, files: $(ls -A clean)" "$(head -n 5 said.err)" "wanted: $words"; fi
-  rm -rf clean && mkdir clean
-}
+refused() { refused_by crosscheck "$@"; }
 p=$packing
 o="--path ../path.csv -o out"
 # shellcheck disable=SC2086

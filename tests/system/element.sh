@@ -2,13 +2,9 @@
 # `granhom element` as users run it: biaxial, undrained, constant pressure and cyclic tests, tables, states, bad input.
 # SPDX-License-Identifier: GPL-2.0-or-later
 set -u
-. "$(dirname "$0")/../shell.sh" # ok, not_ok, check
-BUILD=$(cd "${BUILD:-build}" && pwd) || exit 1
-root=$(pwd)
+. "$(dirname "$0")/../shell.sh" # begin, ok, not_ok, check
+begin
 sand=$root/scenes/block/sand150.data
-granhom=$BUILD/granhom
-work=$(mktemp -d) && cd "$work" || exit 1
-trap 'rm -rf "$work"' EXIT
 element() { "$granhom" element "$sand" --engine native --normal-stiffness 50 "$@"; }
 # table FILE PROGRAM: awk's PROGRAM sets `wrong` where a row is; v("s11") is a column of the row, n counts from the start
 table() {

@@ -1,12 +1,9 @@
 #!/usr/bin/env bash
 # What a run says of its error: run.json, history.csv, the last lines, the report, granhom rve. SPDX-License-Identifier: GPL-2.0-or-later
 set -u
-. "$(dirname "$0")/../shell.sh" # ok, not_ok, check
-export OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1 OMPI_MCA_rmaps_base_oversubscribe=1
-granhom=$(cd "${BUILD:-build}" && pwd)/granhom || exit 1
-packing=$(pwd)/tests/data/cases/packings/p50.data
-work=$(mktemp -d) && cd "$work" || exit 1
-trap 'rm -rf "$work"' EXIT
+. "$(dirname "$0")/../shell.sh" # begin, not_ok, check
+begin
+packing=$root/tests/data/cases/packings/p50.data
 
 scene() { # scene FRICTION BOUNDARY
   cat <<Y

@@ -2,14 +2,10 @@
 # kill -9 at twenty random moments, on one, two and three ranks: every restart, on another number of ranks, ends with the history.csv of an
 # undisturbed run. SPDX-License-Identifier: GPL-2.0-or-later
 set -u
-export OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1 OMPI_MCA_rmaps_base_oversubscribe=1 # containers with one core
+. "$(dirname "$0")/../shell.sh" # begin, say
+begin memory
 export OMPI_MCA_mpi_yield_when_idle=1
-granhom=$(cd "${BUILD:-build}" && pwd)/granhom || exit 1
-packing=$(pwd)/tests/data/cases/packings/p50.data
-work=$( { [ -w /dev/shm ] && mktemp -d -p /dev/shm; } || mktemp -d) && cd "$work" || exit 1
-trap 'rm -rf "$work"' EXIT
-bad=0
-say() { if [ "$1" = 0 ]; then echo "ok - $2"; else echo "not ok - $2"; [ -s err ] && sed 's/^/#   /' err; bad=1; fi; }
+packing=$root/tests/data/cases/packings/p50.data
 
 cat >scene.yaml <<E
 packing: $packing

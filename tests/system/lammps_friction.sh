@@ -2,16 +2,9 @@
 # Friction in LAMMPS scripts: the specimen of in.dns in small on one and two ranks, restarts to the last bit, history that migrates.
 # SPDX-License-Identifier: GPL-2.0-or-later
 set -u
-export OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1 OMPI_MCA_rmaps_base_oversubscribe=1 # containers with one core
-BUILD=$(cd "${BUILD:-build}" && pwd) || exit 1
-root=$(pwd)
+. "$(dirname "$0")/../shell.sh" # begin, say, check
+begin
 inputs=$root/lammps-inputs
-granhom=$BUILD/granhom
-work=$(mktemp -d) && cd "$work" || exit 1
-trap 'rm -rf "$work"' EXIT
-bad=0
-
-say() { if [ "$1" = 0 ]; then echo "ok - $2"; else echo "not ok - $2"; [ -s said.err ] && sed 's/^/#   /' said.err; bad=1; fi; }
 # near FILE FILE LIMIT: the same table, but for this difference over the largest figure of the first (the first column and line are names)
 near() {
   awk -v limit="$3" 'NR == FNR { for (c = 2; c <= NF; c++) { a[FNR, c] = $c; v = $c < 0 ? -$c : $c; if (FNR > 1 && v > most) most = v } lines = FNR; next }

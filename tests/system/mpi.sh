@@ -2,16 +2,9 @@
 # Several ranks: LAMMPS scripts give the same figures, what runs on one rank refuses, errors have one message and the right exit status.
 # SPDX-License-Identifier: GPL-2.0-or-later
 set -u
-export OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1 OMPI_MCA_rmaps_base_oversubscribe=1 # containers with one core
-BUILD=$(cd "${BUILD:-build}" && pwd) || exit 1
-root=$(pwd)
+. "$(dirname "$0")/../shell.sh" # begin, say
+begin
 inputs=$root/lammps-inputs
-granhom=$BUILD/granhom
-work=$(mktemp -d) && cd "$work" || exit 1
-trap 'rm -rf "$work"' EXIT
-bad=0
-
-say() { if [ "$1" = 0 ]; then echo "ok - $2"; else echo "not ok - $2"; [ -s said.err ] && sed 's/^/#   /' said.err; bad=1; fi; }
 # told CODE WORDS NAME: the last command ended with CODE and said WORDS in its only message of granhom
 told() {
   [ $code = "$1" ] && [ "$(grep -c '^granhom' said.err)" = 1 ] && grep -q "^granhom.*$2" said.err

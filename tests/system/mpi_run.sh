@@ -2,13 +2,9 @@
 # Scenes on several ranks: the same numbers to the last bit, errors told once with the right exit status, nobody hangs.
 # SPDX-License-Identifier: GPL-2.0-or-later
 set -u
-export OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1 OMPI_MCA_rmaps_base_oversubscribe=1 # containers with one core
-granhom=$(cd "${BUILD:-build}" && pwd)/granhom || exit 1
-packings=$(pwd)/tests/data/cases/packings
-work=$(mktemp -d) && cd "$work" || exit 1
-trap 'rm -rf "$work"' EXIT
-bad=0
-say() { if [ "$1" = 0 ]; then echo "ok - $2"; else echo "not ok - $2"; [ -s err ] && sed 's/^/#   /' err; bad=1; fi; }
+. "$(dirname "$0")/../shell.sh" # begin, say
+begin
+packings=$root/tests/data/cases/packings
 same() { cmp -s "$1/history.csv" "$2/history.csv" && cmp -s "$1/rves.h5" "$2/rves.h5"; say $? "$3"; }
 
 scene() { # scene BOUNDARY PACKING MICRO

@@ -221,7 +221,7 @@ with h5py.File(f"{folder}/results.h5") as h5:
         s = h5["/step0006/points/cauchy"][k]
         assert f"Point {k}" in words and f"s11 {'%.4g' % s[0]}, s22 {'%.4g' % s[3]}" in words, k
         assert "coordination %.4g," % h5["/step0006/points/coordination"][k] in words
-assert f"{run['summary']['relaxation_steps']} relaxation steps" in words
+assert f"{run['summary']['relaxation_steps']} relaxation steps, {run['summary']['pair_evaluations']} pair evaluations, " in words
 assert len(text) < 2e6
 E
 /usr/bin/python3 "$work/page.py" "$work/periodic/report.html" "$work/periodic" 0

@@ -2,12 +2,9 @@
 # Checkpoints: a run that is stopped and restarted leaves what an undisturbed run leaves; damaged and foreign checkpoints are refused.
 # SPDX-License-Identifier: GPL-2.0-or-later
 set -u
-granhom=$(cd "${BUILD:-build}" && pwd)/granhom || exit 1
-packings=$(pwd)/tests/data/cases/packings
-work=$( { [ -w /dev/shm ] && mktemp -d -p /dev/shm; } || mktemp -d) && cd "$work" || exit 1
-trap 'rm -rf "$work"' EXIT
-bad=0
-say() { if [ "$1" = 0 ]; then echo "ok - $2"; else echo "not ok - $2"; [ -s err ] && sed 's/^/#   /' err; bad=1; fi; }
+. "$(dirname "$0")/../shell.sh" # begin, say
+begin memory
+packings=$root/tests/data/cases/packings
 
 # Every kind of load, supports that begin and end, friction, unsymmetric systems, packings in turn
 cp "$packings/p20.data" "$packings/p50.data" .

@@ -2,14 +2,10 @@
 # granhom study: one packing and a scene on one and two ranks, records that survive kill -9, failures, wrong input.
 # SPDX-License-Identifier: GPL-2.0-or-later
 set -u
-export OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1 OMPI_MCA_rmaps_base_oversubscribe=1 # containers with one core
+. "$(dirname "$0")/../shell.sh" # begin, say
+begin
 export OMPI_MCA_mpi_yield_when_idle=1
-granhom=$(cd "${BUILD:-build}" && pwd)/granhom || exit 1
-packings=$(pwd)/tests/data/cases/packings
-work=$(mktemp -d) && cd "$work" || exit 1
-trap 'rm -rf "$work"' EXIT
-bad=0
-say() { if [ "$1" = 0 ]; then echo "ok - $2"; else echo "not ok - $2"; [ -s err ] && sed 's/^/#   /' err; bad=1; fi; }
+packings=$root/tests/data/cases/packings
 records() { find "$1/runs" -name '*.json' 2>/dev/null | wc -l; }
 # until COUNT DIR: waits for so many records, 15 s at most
 until_records() { for _ in $(seq 300); do [ "$(records "$2")" -ge "$1" ] && return; sleep 0.05; done; }
@@ -59,6 +55,9 @@ grep -q 'no equilibrium within 2 relaxation steps' rve1/study.md; say $? 'runs t
 if command -v gnuplot >/dev/null; then [ -s rve1/work-precision.png ]; say $? 'a picture is drawn'; fi
 "$granhom" study rve.yaml -o rve1 >again 2>err; say $? 'again'
 ! grep -q 'of 16: ' err && cmp -s said again; say $? 'finished runs are not repeated, and the words are the same'
+if [ -c /dev/full ]; then
+  "$granhom" study rve.yaml -o rve1 2>err >/dev/full; [ $? = 1 ] && [ "$(grep -c '^granhom: standard output cannot be written' err)" = 1 ]; say $? 'a screen that is full is told'
+fi
 "$granhom" study rve.yaml -o quick --quick >said 2>err; say $? '--quick runs'
 [ "$(grep -c 'of 2: ' err)" = 2 ] && [ "$(grep -c . quick/study.csv)" = 3 ]; say $? 'and has its own settings'
 "$granhom" study rve.yaml --explain >said 2>err && grep -q 'settings: 12, and 4 more as references; 16 runs in all' said &&
@@ -101,10 +100,20 @@ wrong nothing.yaml 'nothing.yaml: cannot be opened'
 sed 's/tolerance: \[1e-1/tolerance: [3/' rve.yaml >w.yaml; wrong w.yaml 'w.yaml:8: micro.tolerance: 3: w.yaml:5: tolerance is 3, it must be below 1'
 "$granhom" study rve.yaml 2>err; [ $? = 2 ] && grep -q -e '-o DIR is needed' err; say $? 'refused: no folder'
 : >file; "$granhom" study rve.yaml -o file >said 2>err; [ $? = 2 ] && grep -q 'file: .*folder' err; say $? 'refused: a file in the place of the folder'
+"$granhom" study rve.yaml -o '' >said 2>err; [ $? = 2 ] && grep -q 'the name of the folder for results is empty' err && [ ! -e runs ]; say $? 'refused: a folder without a name'
+mkdir busy && : >busy/runs; "$granhom" study rve.yaml -o busy >said 2>err; [ $? = 2 ] && [ "$(find busy | wc -l)" = 2 ]; say $? 'refused: a file in the place of the records'
+(ulimit -f 2; trap '' XFSZ; "$granhom" study rve.yaml -o tight --quiet 2>&1; echo "exit $?") | cat >err
+grep -q '^exit 1$' err && [ "$(grep -c '^granhom: .*cannot write' err)" = 1 ] && [ -z "$(find tight -name '*.tmp')" ]; say $? 'a disk that is full: exit 1, one message, nothing half written'
+"$granhom" study rve.yaml -o tight --quiet 2>err && [ "$(records tight)" = 16 ]; say $? 'and the study goes on when there is room'
 sed 's/400000, 2\]/1, 2]/; s/\[taylor-cell, periodic\]/[periodic]/' rve.yaml >none.yaml
 "$granhom" study none.yaml -o none >said 2>err
 [ $? = 1 ] && grep -q '^granhom: no setting has a result; the first one, micro.tolerance 1e-1' err; say $? 'exit 1 when no setting has a result'
 [ -s none/study.md ]; say $? 'and the table tells why'
+
+sed 's/^reference.*/reference: {set: {micro.max_steps: 2}}/; /400000/d' rve.yaml >lame.yaml
+"$granhom" study lame.yaml -o lame >said 2>err; say $? 'a study whose references fail is done'
+grep -q '^reference micro.tolerance 1e-6, micro.boundary periodic, micro.max_steps: 2: t = 1: no equilibrium' said
+say $? 'and tells why the references have failed'
 
 # --- stopped and killed ---
 sed 's/increments: 4}\]/increments: 3000}]/; s/\[400000, 2\]/[400000, 300000]/; s/: 1e-11/: 1e-10/' rve.yaml >long.yaml
@@ -158,6 +167,11 @@ echo $? >code.$OMPI_COMM_WORLD_RANK
 S
 timeout 60 mpirun -n 3 sh each.sh "$granhom" study w.yaml -o wrong >said 2>err
 [ "$(cat code.0 code.1 code.2 | tr '\n' ' ')" = '2 2 2 ' ] && [ "$(grep -c '^granhom' err)" = 1 ] && [ ! -e wrong ]; say $? 'wrong input on three ranks: exit 2 on all, told once'
+mkdir one two && for d in one two; do sed "s|packing: .*|packing: 'p*.data'|" rve.yaml >$d/s.yaml; cp "$packings/p50.data" $d; done; cp "$packings/p20.data" two
+timeout 60 mpirun -n 1 -wdir "$work/one" sh "$work/each.sh" "$granhom" study s.yaml -o o : -n 1 -wdir "$work/two" sh "$work/each.sh" "$granhom" study s.yaml -o o >said 2>err
+[ "$(cat one/code.0 two/code.1 | tr '\n' ' ')" = '2 2 ' ] && [ "$(grep -c '^granhom: the ranks have read different studies' err)" = 1 ] && [ ! -e one/o ]
+say $? 'ranks that see different files: exit 2 on all, told once'
+timeout 60 mpirun -n 4 "$granhom" study rve.yaml -o few --quick --quiet >said 2>err && [ "$(records few)" = 2 ]; say $? 'more ranks than runs'
 mpirun -n 2 sh -c 'echo $$ >pid.$OMPI_COMM_WORLD_RANK; exec "$@"' sh "$granhom" study long.yaml -o long2 >said 2>err &
 job=$!
 until_records 2 long2

@@ -192,7 +192,7 @@ static void a_strong_tilt_is_reduced(void **state) {
     for (int i = 0; i < p->n; i++) {
       double s[2] = {q->x[2 * i] - p->x[2 * i], q->x[2 * i + 1] - p->x[2 * i + 1]};
       gh_apply2(inverse, s, s);
-      for (int d = 0; d < 2; d++) assert_float_equal(s[d], nearbyint(s[d]), 1e-13);
+      for (int d = 0; d < 2; d++) NEAR("lattice vectors", s[d], nearbyint(s[d]), 1e-13);
     }
     gh_packing_destroy(&q);
   }

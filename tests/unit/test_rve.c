@@ -331,6 +331,93 @@ static void too_few_steps(void **state) {
   gh_packing_destroy(&p);
 }
 
+/* F of the parts of a way, as they are told. */
+typedef struct told {
+  int n;
+  double F[128][4];
+} told;
+static void note_part(void *data, const gh_rve_measures *m) {
+  told *t = data;
+  assert_true(t->n < 128);
+  memcpy(t->F[t->n++], m->F, sizeof m->F);
+}
+
+/* The same parts one after the other give the same bits; the last one is the trial state. */
+static void is_that_path(gh_context *ctx, const gh_packing *p, const gh_rve_way *way, const told *t,
+                         gh_rve *rve) {
+  gh_rve *other = make_rve(ctx, p, GH_ENGINE_NATIVE, GH_PERIODIC, 100, 1e-8);
+  double P[4];
+  assert_int_equal(t->n, way->parts);
+  assert_memory_equal(t->F[t->n - 1], way->to, sizeof way->to);
+  for (int k = 0; k < t->n; k++) {
+    OK(gh_rve_evaluate(other, t->F[k], 0, P, NULL));
+    if (k < t->n - 1) OK(gh_rve_commit(other));
+  }
+  assert_memory_equal(P, gh_rve_measure(rve)->P, sizeof P);
+  assert_memory_equal(gh_rve_F(other), gh_rve_F(rve), 4 * sizeof(double));
+  gh_rve_destroy(&other);
+}
+
+static void ways_in_parts(void **state) {
+  gh_context *ctx = *state;
+  gh_packing *p;
+  int found = 0;
+  OK(gh_packing_read(ctx, "scenes/block/sand150.data", &p));
+  for (long most = 100; most < 10000; most += most / 12) { /* from none in equilibrium to all at once */
+    gh_rve_options o = rve_options(GH_ENGINE_NATIVE, GH_PERIODIC, 100, 1e-8);
+    gh_rve *rve;
+    told t = {0};
+    gh_rve_way way = {.from = {1, 0, 0, 1}, .to = {0.93, 0, 0, 1}, .count = note_part, .data = &t};
+    o.max_steps = most;
+    OK(gh_rve_create(ctx, p, &o, &rve));
+    gh_status status = gh_rve_reach(rve, &way, NULL);
+    if (status == GH_OK) is_that_path(ctx, p, &way, &t, rve);
+    else assert_int_equal(status, GH_DIVERGED);
+    if (status == GH_OK) assert_true(way.cuts > 0 ? way.parts > 1 : way.parts == 1);
+    else assert_int_equal(t.n, way.parts);
+    if (status != GH_OK && way.parts > 0) { /* it stays where it has come to */
+      assert_memory_equal(gh_rve_F(rve), t.F[t.n - 1], 4 * sizeof(double));
+      assert_non_null(strstr(gh_message(ctx), " parts of the increment: no equilibrium"));
+    }
+    found |= status == GH_OK ? (way.cuts > 0 ? 2 : 4) : way.parts > 0 ? 8 : 1;
+    gh_rve_destroy(&rve);
+  }
+  assert_int_equal(found & 7, 7); /* each of them was met */
+  gh_packing_destroy(&p);
+}
+
+/* Halvings are asked for; where nothing moves there is nothing to cut. */
+static void ways_in_halves(void **state) {
+  gh_context *ctx = *state;
+  gh_packing *p = case_packing(ctx, "p50");
+  gh_rve *rve = make_rve(ctx, p, GH_ENGINE_NATIVE, GH_PERIODIC, 100, 1e-8);
+  gh_rve_options o = rve_options(GH_ENGINE_NATIVE, GH_PERIODIC, 100, 1e-8);
+  told t = {0};
+  gh_rve_way way = {
+      .from = {1, 0, 0, 1}, .halvings = 2, .want = GH_WANT_TANGENT, .count = note_part, .data = &t};
+  double A[16] = {0}, B[16], P[4];
+  memcpy(way.to, squeeze, sizeof way.to);
+  OK(gh_rve_reach(rve, &way, A));
+  assert_true(way.parts == 4 && way.cuts == 0);
+  for (int k = 0; k < 4; k++) NEAR("F of the second part", t.F[1][k], (way.from[k] + squeeze[k]) / 2, 1e-15);
+  is_that_path(ctx, p, &way, &t, rve);
+  OK(gh_rve_evaluate(rve, squeeze, GH_WANT_TANGENT, P, B));
+  assert_memory_equal(A, B, sizeof A);
+  gh_rve_destroy(&rve);
+  o.max_steps = 3;
+  OK(gh_rve_create(ctx, p, &o, &rve));
+  way = (gh_rve_way){0};
+  memcpy(way.from, squeeze, sizeof way.from);
+  memcpy(way.to, squeeze, sizeof way.to);
+  FAILS(gh_rve_reach(rve, &way, NULL), GH_DIVERGED, "no equilibrium within 3 relaxation steps");
+  assert_true(way.parts == 0 && way.cuts == 0);
+  memcpy(way.from, I, sizeof way.from);
+  FAILS(gh_rve_reach(rve, &way, NULL), GH_DIVERGED, "no equilibrium within 3 relaxation steps");
+  assert_int_equal(way.cuts, GH_WAY_CUTS);
+  gh_rve_destroy(&rve);
+  gh_packing_destroy(&p);
+}
+
 /* What one sees of an RVE adds up to its stress: (1/V) sum f (x) F^-1 l over the contacts, positions and
  * flags in order. */
 static void looking_at_an_rve(void **state) {
@@ -498,6 +585,8 @@ int main(void) {
                                      TEST(small_packings_relax),
                                      TEST(scaling),
                                      TEST(too_few_steps),
+                                     TEST(ways_in_parts),
+                                     TEST(ways_in_halves),
                                      TEST(looking_at_an_rve),
                                      TEST(a_farm_of_anything),
                                      TEST(a_farm_is_stopped),

@@ -75,11 +75,11 @@ static void example(void **state) {
   gh_scene_load_on(p.scene, TOP, &top);
   assert_true(top.pressure == 0 && top.held[1] && !top.held[0] && top.displacement[1] == 0);
   right = at(&p, 1, 1, NULL, RIGHT);
-  assert_float_equal(right.pressure, 0.029, 1e-15);
+  NEAR("pressure", right.pressure, 0.029, 1e-15);
   right = at(&p, 1, 10, NULL, RIGHT);
   assert_true(right.pressure == 0.2);
   top = at(&p, 2, 15, NULL, TOP);
-  assert_float_equal(top.displacement[1], -1.5, 1e-15);
+  NEAR("u of top", top.displacement[1], -1.5, 1e-15);
   gh_scene_load_on(p.scene, RIGHT, &right);
   assert_true(right.pressure == 0.2);
   plan_free(&p);
@@ -126,8 +126,8 @@ static void driven_edges(void **state) {
   assert_false(at(&p, 1, 4, NULL, TOP).held[1]);
   gh_scene_load top = at(&p, 2, 1, u, TOP);
   assert_true(top.held[1] && !top.held[0]);
-  assert_float_equal(top.displacement[1], -1.15 + 0.25 * (-3 + 1.15), 1e-15);
-  assert_float_equal(p.scene->present.u[2 * 15 + 1].now, -1.3 + 0.25 * (-3 + 1.3), 1e-15);
+  NEAR("u of top", top.displacement[1], -1.15 + 0.25 * (-3 + 1.15), 1e-15);
+  NEAR("u of a node", p.scene->present.u[2 * 15 + 1].now, -1.3 + 0.25 * (-3 + 1.3), 1e-15);
   assert_true(at(&p, 2, 4, u, TOP).displacement[1] == -3);
   for (int n = 12; n < 16; n++) u[2 * n + 1] = -3;
   top = at(&p, 3, 1, u, TOP);
@@ -148,7 +148,7 @@ static void supports_hold_where_nodes_are(void **state) {
   at(&p, 1, 1, NULL, TOP);
   gh_scene_load right = at(&p, 2, 1, u, RIGHT);
   assert_true(right.held[0] && right.held[1]);
-  assert_float_equal(right.displacement[0], 0.01 * (3 + 7 + 11 + 15) / 4, 1e-15);
+  NEAR("u of right", right.displacement[0], 0.01 * (3 + 7 + 11 + 15) / 4, 1e-15);
   assert_true(p.scene->present.u[2 * 11].now == 0.01 * 11);
   assert_false(at(&p, 3, 1, u, RIGHT).held[0]);
   plan_free(&p);
@@ -207,7 +207,7 @@ static void block_scenes(void **state) {
       gh_scene *scene;
       snprintf(path, sizeof path, "scenes/block/p%02d_%s.yaml", p, boundary[b]);
       OK(gh_scene_read(ctx, path, &scene));
-      assert_float_equal(scene->steps[0].pressures[0].to, 0.1 * p, 1e-15);
+      NEAR("pressure", scene->steps[0].pressures[0].to, 0.1 * p, 1e-15);
       assert_string_equal(gh_boundary_name(scene->micro.boundary), boundary[b]);
       gh_scene_destroy(&scene);
     }
@@ -234,8 +234,8 @@ static void explanation(void **state) {
 static void mises(void **state) {
   (void)state;
   assert_true(scene_mises((double[]){-2, 0, 0, -2}) == 0);
-  assert_float_equal(scene_mises((double[]){-2, 0, 0, 0}), sqrt(3), 1e-15);
-  assert_float_equal(scene_mises((double[]){1, 3, 3, 1}), 3 * sqrt(3), 1e-14);
+  NEAR("mises", scene_mises((double[]){-2, 0, 0, 0}), sqrt(3), 1e-15);
+  NEAR("mises", scene_mises((double[]){1, 3, 3, 1}), 3 * sqrt(3), 1e-14);
 }
 
 /* A stress that is linear in x and y is extrapolated to the nodes of a rectangle mesh exactly. */
@@ -252,7 +252,7 @@ static void nodal_mises(void **state) {
   OK(scene_nodal_mises(ctx, mesh, cauchy, nodes));
   for (int n = 0; n < 12; n++) {
     double x = mesh->X[2 * n], y = mesh->X[2 * n + 1], d = 2 * x - 2 * y;
-    assert_float_equal(nodes[n], sqrt(0.75 * d * d + 3 * y * y), 1e-13);
+    NEAR("mises of a node", nodes[n], sqrt(0.75 * d * d + 3 * y * y), 1e-13);
   }
   gh_mesh_destroy(&mesh);
 }
@@ -271,7 +271,7 @@ static void boundary(void **state) {
     const double *a = mesh->X + 2 * edges[k].a, *b = mesh->X + 2 * edges[k].b;
     area += 0.5 * (a[0] * b[1] - a[1] * b[0]);
   }
-  assert_float_equal(area, 6, 1e-14);
+  NEAR("area", area, 6, 1e-14);
   free(edges);
   gh_mesh_destroy(&mesh);
 }

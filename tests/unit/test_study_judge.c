@@ -117,10 +117,14 @@ static void test_ensemble(void **state) {
   made_settings(s, 4, 0);
   for (int m = 0; m < 3; m++) made_run(s->settings[0].runs + m, 5, 1, constant, p + m, 1 + m, 100 * (m + 1));
   made_failure(s->settings[0].runs + 3, "no");
+  s->settings[0].runs[1].energy_defect = -0.5, s->settings[0].runs[2].energy_defect = 1e-9;
+  s->settings[0].runs[0].residual = 1e-3, s->settings[0].runs[2].residual = 1e-5;
   made_curve(&s->given, 5, 1, constant, &ten);
   OK(study_judge(s));
   const study_judged *row = s->verdict->row;
   assert_int_equal(row->members, 3);
+  NEAR("energy defect, which has a sign", row->energy_defect, -0.5, 0);
+  NEAR("residual", row->residual, 1e-3, 0);
   NEAR("l2", row->l2[0], 0.1, 1e-15);
   NEAR("largest", row->largest[0], 0.1, 1e-15);
   NEAR("single", row->single[0], sqrt((0.01 + 0.01 + 0.09) / 3), 1e-15);

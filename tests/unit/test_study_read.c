@@ -3,7 +3,9 @@
 #include "study/parts.h"
 #include "test_io.h"
 
+#include <inttypes.h>
 #include <math.h>
+#include <unistd.h>
 
 #define SMALL                                                                                                \
   "rve:\n  packing: @/p50.data\n  contact: {normal_stiffness: 50}\n"                                         \
@@ -89,6 +91,12 @@ static void wrong_studies_are_refused(void **state) {
        "study.yaml:8: quantity 'force' is none of stress, energy"},
       {SMALL VARY REFERENCE "quantities: [stress, stress]\n", "quantity 'stress' is there twice"},
       {SMALL VARY REFERENCE "plots: [s33]\n", "study.yaml:8: column 's33' is none of P11, P12"},
+      {SMALL REFERENCE "vary: {micro.tolerance: [1e-2], micro: [{boundary: taylor}]}\n",
+       "study.yaml:7: micro replaces micro.tolerance as well, which line 6 sets"},
+      {SMALL VARY "reference: {set: {micro: {boundary: taylor}}}\n",
+       "study.yaml:7: micro replaces micro.tolerance as well, which line 6 sets"},
+      {SMALL VARY "reference: {set: {path.legs.0.increments: 4}}\n",
+       "study.yaml:7: reference: micro.tolerance 1e-2: at t = 1, F is not that of what it is compared with"},
       {SMALL VARY REFERENCE "quick: {goals: [1]}\n", "study.yaml:8: unknown key 'goals'"},
       {"rve: {packing: @/p20.data, path: {}}\n" VARY REFERENCE, "rve needs the key 'contact'"},
       {"rve: {packing: @/p20.data, contact: {normal_stiffness: 1}}\n" VARY REFERENCE, "needs the key 'path'"},
@@ -209,6 +217,13 @@ static void quick_studies(void **state) {
   assert_string_equal(study_value(s, s->settings, "micro.max_steps"), "999");
   assert_string_equal(study_value(s, s->settings + 1, "refine"), "3");
   gh_study_destroy(&s);
+  /* a name may be one that the whole study alone has, but not one that none has */
+  assert_int_equal(gh_study_read(p->ctx,
+                                 put(p, "study.yaml", SMALL VARY REFERENCE "series: micro.x\nquick: {}\n"),
+                                 true, &s),
+                   GH_INPUT);
+  assert_non_null(
+      strstr(gh_message(p->ctx), "study.yaml:8: series: 'micro.x' is none of the keys under vary"));
 }
 
 static void copy_packing(place *p, const char *from, const char *name) {
@@ -249,6 +264,39 @@ static void ensembles_and_names(void **state) {
   copy_packing(p, "p50.data", "e-1.data");
   s = study_of(p, SMALL "vary: {packing: [e-1.data], micro.tolerance: [1e-2]}\n" REFERENCE, false);
   assert_string_not_equal(s->settings[0].runs[0].id, id);
+  gh_study_destroy(&s);
+}
+
+/* Copies are no ensemble, an empty file no reference, and another path none either; the name of a folder is
+ * no pattern. */
+static void what_is_compared_must_fit(void **state) {
+  static const struct {
+    const char *text, *message;
+  } wrong[] = {
+      {SMALL REFERENCE "vary: {packing: ['copy-*.data']}\n", "copy-2.data hold the same: members must"},
+      {SMALL VARY "reference: {file: empty.csv}\n", "empty.csv: there are no rows"},
+      {SMALL "vary: {path.legs.0.increments: [2, 4]}\nreference: {file: one.csv}\n",
+       "study.yaml:7: reference: path.legs.0.increments 4: at t = 1, F is not that of what it is"}};
+  place *p = *state;
+  copy_packing(p, "p20.data", "copy-1.data");
+  copy_packing(p, "p20.data", "copy-2.data");
+  put_file(p, "empty.csv", "t,P11,P12,P21,P22,energy\n");
+  put_file(p, "one.csv", "t,P11,P12,P21,P22,energy\n0,1,1,1,1,1\n");
+  for (size_t k = 0; k < sizeof wrong / sizeof *wrong; k++) {
+    gh_study *s;
+    assert_int_equal(gh_study_read(p->ctx, put(p, "study.yaml", wrong[k].text), false, &s), GH_INPUT);
+    if (!strstr(gh_message(p->ctx), wrong[k].message)) fail_msg("case %zu: %s", k, gh_message(p->ctx));
+  }
+  /* each has its own path, as long as its reference has the same one */
+  gh_study *s =
+      study_of(p, SMALL "vary: {path.legs.0.increments: [2, 4], refine: [1, 2]}\n" REFERENCE, false);
+  assert_int_equal(s->nsettings, 8);
+  gh_study_destroy(&s);
+  assert_int_equal(mkdir(in_folder(p, "[x]*"), 0777), 0);
+  copy_packing(p, "p20.data", "[x]*/e.data");
+  const char *path = put(p, "[x]*/study.yaml", SMALL "vary: {packing: ['e*.data']}\n" REFERENCE);
+  assert_int_equal(gh_study_read(p->ctx, path, false, &s), GH_OK);
+  assert_int_equal(s->settings[0].nruns, 1);
   gh_study_destroy(&s);
 }
 
@@ -353,6 +401,52 @@ static void runs_are_kept(void **state) {
   assert_int_equal(told, 1);
   run_study(p, s, GH_OK, NULL, NULL, true);
   assert_int_equal(told, 4);
+  /* a fresh study that is stopped keeps no old records, so that it can go on */
+  calls = 8;
+  run_study(p, s, GH_STOPPED, after_some, &calls, true);
+  first = told;
+  assert_in_range(first, 1, 3);
+  assert_non_null(strstr(gh_message(p->ctx), "the same command without --fresh goes on"));
+  run_study(p, s, GH_OK, NULL, NULL, false);
+  assert_int_equal(told, 4 - first);
+  gh_study_destroy(&s);
+}
+
+/* A record of another build is used, and the tables say so; pictures of an earlier study are gone. */
+static void other_builds_are_told(void **state) {
+  place *p = *state;
+  char path[48], *at;
+  size_t length;
+  gh_text *text;
+  gh_study *s = study_of(p, SMALL VARY REFERENCE, false);
+  run_study(p, s, GH_OK, NULL, NULL, false);
+  put_file(p, "out/order.png", "old");
+  for (int k = 0; k < 2; k++) { /* the second time as all builds before this one had it */
+    assert_int_equal(gh_text_create(p->ctx, &text), GH_OK);
+    assert_false(s->settings[k].runs[0].other_build);
+    snprintf(path, sizeof path, "out/runs/%s.json", s->settings[k].runs[0].id);
+    assert_int_equal(study_record_print(s, k, s->settings[k].runs, text), GH_OK);
+    char *record = strdup(gh_text_get(text, NULL));
+    assert_non_null(record);
+    assert_non_null(at = strstr(record, "  \"build\": \""));
+    if (k == 0) at[12] = 'x';
+    else memmove(at, strchr(at, '\n') + 1, strlen(strchr(at, '\n')));
+    assert_non_null(at = strstr(record, "  \"check\": \""));
+    length = (size_t)(at - record);
+    snprintf(at, 40, "  \"check\": \"%016" PRIx64 "\"\n}\n", study_hash(study_hash_begin, record, length));
+    put_file(p, path, record);
+    free(record);
+    gh_text_destroy(&text);
+  }
+  run_study(p, s, GH_OK, NULL, NULL, false);
+  assert_int_equal(told, 0);
+  assert_true(s->settings[0].runs[0].other_build && s->settings[1].runs[0].other_build);
+  char *page = get_file(in_folder(p, "out/study.md"), &length);
+  assert_non_null(strstr(page, "2 of 3 runs were computed by another build of granhom"));
+  free(page);
+  assert_int_not_equal(access(in_folder(p, "out/order.png"), F_OK), 0);
+  run_study(p, s, GH_OK, NULL, NULL, true);
+  assert_false(s->settings[0].runs[0].other_build);
   gh_study_destroy(&s);
 }
 
@@ -540,8 +634,10 @@ int main(void) {
                                      TEST(settings_are_planned),
                                      TEST(quick_studies),
                                      TEST(ensembles_and_names),
+                                     TEST(what_is_compared_must_fit),
                                      TEST(paths_are_refined),
                                      TEST(runs_are_kept),
+                                     TEST(other_builds_are_told),
                                      TEST(failures_are_results),
                                      TEST(twins_run_once),
                                      TEST(triangular_lattice),

@@ -235,6 +235,31 @@ static void test_nothing(void **state) {
   made_destroy(s);
 }
 
+/* A reference that has no row of its own tells why it has no answer. */
+static void test_failed_reference(void **state) {
+  gh_context *ctx = *state;
+  gh_study *s = made_study(ctx);
+  gh_text *t;
+  made_knob(s, "k", VALUES("1", "2"));
+  made_settings(s, 1, 1);
+  s->reference = STUDY_SETTING;
+  for (int k = 0; k < 2; k++) {
+    s->settings[k].reference = 2;
+    run_with_error(s->settings[k].runs, 0.1, 1, 10);
+  }
+  made_value(s, 2, 0, "9");
+  made_failure(s->settings[2].runs, "row 3: no equilibrium");
+  OK(study_judge(s));
+  OK(gh_text_create(ctx, &t));
+  study_write_markdown(s, t);
+  has_line(ctx, t,
+           "- No setting could be compared with the reference: its reference did not come to the end.");
+  has_line(ctx, t, "- [2] k 2: Not compared: its reference did not come to the end.");
+  has_line(ctx, t, "- reference k 9: row 3: no equilibrium.");
+  gh_text_destroy(&t);
+  made_destroy(s);
+}
+
 /* ---- values in quotes ---- */
 
 static void test_plain(void **state) {

@@ -1,0 +1,39 @@
+/* An increment of F in parts, where it has no equilibrium at once. SPDX-License-Identifier: GPL-2.0-or-later
+ */
+#include "micro/internal.h"
+
+#include <math.h>
+#include <string.h>
+
+/* A part from the converged state to the share `end` of the way. */
+static gh_status reach_part(gh_rve *rve, gh_rve_way *w, double end, double A[16]) {
+  double F[4], P[4];
+  const bool last = end == 1;
+  for (int k = 0; k < 4; k++) F[k] = last ? w->to[k] : w->from[k] + end * (w->to[k] - w->from[k]);
+  GH_TRY(gh_rve_evaluate(rve, F, last ? w->want : 0, P, A));
+  w->parts++;
+  if (w->count) w->count(w->data, gh_rve_measure(rve));
+  return last ? GH_OK : gh_rve_commit(rve);
+}
+
+gh_status gh_rve_reach(gh_rve *rve, gh_rve_way *w, double A[16]) {
+  const bool moves =
+      memcmp(w->from, w->to, sizeof w->from) != 0; /* else parts are no shorter than the whole */
+  const int deepest = w->halvings + (moves ? GH_WAY_CUTS : 0);
+  double t = 0, dt = ldexp(1, -w->halvings);
+  w->parts = w->cuts = 0;
+  for (int level = w->halvings; t < 1;) {
+    gh_status status = reach_part(rve, w, t + dt, A);
+    if (status == GH_DIVERGED && level < deepest) {
+      GH_TRY(gh_rve_revert(rve));
+      dt /= 2, level++, w->cuts++;
+      continue;
+    }
+    if (status != GH_OK && w->parts > 0)
+      gh_prefix(rve->ctx, status, "after %d parts of the increment: ", w->parts);
+    GH_TRY(status);
+    t += dt;
+    if (level > w->halvings && fmod(t, 2 * dt) == 0) dt *= 2, level--;
+  }
+  return GH_OK;
+}
