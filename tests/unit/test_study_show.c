@@ -717,6 +717,7 @@ int main(void) {
                                      TEST(test_order_text),
                                      TEST(test_nothing),
                                      TEST(test_csv),
+                                     TEST(test_failed_reference),
                                      TEST(test_plain),
                                      TEST(test_quoted_values),
                                      TEST(test_csv_quotes),
