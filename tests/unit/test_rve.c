@@ -363,11 +363,11 @@ static void ways_in_parts(void **state) {
   gh_packing *p;
   int found = 0;
   OK(gh_packing_read(ctx, "scenes/block/sand150.data", &p));
-  for (long most = 100; most < 10000; most += most / 12) { /* from none in equilibrium to all at once */
+  for (long most = 100; most < 10000; most += most / 20) { /* from none in equilibrium to all at once */
     gh_rve_options o = rve_options(GH_ENGINE_NATIVE, GH_PERIODIC, 100, 1e-8);
     gh_rve *rve;
     told t = {0};
-    gh_rve_way way = {.from = {1, 0, 0, 1}, .to = {0.93, 0, 0, 1}, .count = note_part, .data = &t};
+    gh_rve_way way = {.from = {1, 0, 0, 1}, .to = {0.85, 0, 0, 1}, .count = note_part, .data = &t};
     o.max_steps = most;
     OK(gh_rve_create(ctx, p, &o, &rve));
     gh_status status = gh_rve_reach(rve, &way, NULL);
