@@ -134,6 +134,16 @@ void study_short_value(const gh_study *s, int setting, int knob, char *text, siz
   if (file && n > 5 && strcmp(text + n - 5, ".data") == 0) text[n - 5] = 0;
 }
 
+/* The last part of a knob's name, or all of it where another knob ends alike. */
+static const char *short_name(const gh_study *s, int knob) {
+  const char *dot = strrchr(s->knobs[knob].name, '.'), *name = dot ? dot + 1 : s->knobs[knob].name;
+  for (int k = 0; k < s->nknobs; k++) {
+    const char *other = strrchr(s->knobs[k].name, '.');
+    if (k != knob && strcmp(other ? other + 1 : s->knobs[k].name, name) == 0) return s->knobs[knob].name;
+  }
+  return name;
+}
+
 void study_legend(const gh_study *s, int setting, int except, char *text, size_t size) {
   char value[128];
   *text = 0;
@@ -143,7 +153,6 @@ void study_legend(const gh_study *s, int setting, int except, char *text, size_t
     /* words speak for themselves; numbers and yes or no need their name */
     bool bare = s->knobs[k].nvalues > 0 && isnan(s->knobs[k].number[0]) && strcmp(value, "true") != 0 &&
                 strcmp(value, "false") != 0 && *value != '[';
-    const char *dot = strrchr(s->knobs[k].name, '.'), *name = dot ? dot + 1 : s->knobs[k].name;
-    append(text, size, "%s%s%s%s", *text ? ", " : "", bare ? "" : name, bare ? "" : " ", value);
+    append(text, size, "%s%s%s%s", *text ? ", " : "", bare ? "" : short_name(s, k), bare ? "" : " ", value);
   }
 }

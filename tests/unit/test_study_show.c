@@ -280,6 +280,19 @@ static void test_plain(void **state) {
   assert_string_equal(study_plain("\"abcdef\"", text, 4), "abc");
 }
 
+/* Knobs that end alike keep their whole names in legends. */
+static void test_names_that_end_alike(void **state) {
+  gh_study *s = made_study(*state);
+  char name[64];
+  made_knob(s, "micro.tolerance", VALUES("1e-4", "1e-8"));
+  made_knob(s, "solver.tolerance", VALUES("1e-2", "1e-3"));
+  made_knob(s, "solver.cut_steps", VALUES("5", "6"));
+  made_settings(s, 1, 0);
+  study_legend(s, 0, 0, name, sizeof name);
+  assert_string_equal(name, "solver.tolerance 1e-2, cut_steps 5");
+  made_destroy(s);
+}
+
 /* Tables and sentences have the text, legends the name of the file. */
 static void test_quoted_values(void **state) {
   gh_context *ctx = *state;
@@ -720,6 +733,7 @@ int main(void) {
                                      TEST(test_failed_reference),
                                      TEST(test_plain),
                                      TEST(test_quoted_values),
+                                     TEST(test_names_that_end_alike),
                                      TEST(test_csv_quotes),
                                      TEST(test_pictures_tolerance),
                                      TEST(test_pictures_order),
