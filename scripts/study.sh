@@ -16,9 +16,9 @@ mkdir -p "$out"
 out=$(cd "$out" && pwd)
 packings=scenes/studies/packings
 studies=${STUDIES:-$(cd scenes/studies && ls ./*.yaml | sed 's|^\./||; s|\.yaml$||')}
+ranks=${RANKS:-$(env -u OMP_NUM_THREADS nproc)} # nproc takes OMP_NUM_THREADS for the number of cores
 export OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 OMPI_MCA_rmaps_base_oversubscribe=1
 [ "$(id -u)" != 0 ] || export OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1
-ranks=${RANKS:-$(nproc)}
 spread=
 [ "$ranks" -le 1 ] || ! command -v mpirun >/dev/null || spread="mpirun -np $ranks --bind-to none"
 
