@@ -244,7 +244,7 @@ static gh_status start_of_path(job *j, double F[4]) {
 }
 
 static void count_part(void *data, const gh_rve_measures *m) {
-  rve_error_count(data, m);
+  gh_rve_balance_add(data, m);
 }
 
 /* The row on the path whose results are written. */
@@ -252,7 +252,7 @@ static gh_status reach(job *j, long step, const double from[4], const double to[
   gh_rve_way way = {.halvings = j->whole ? 1 : 0,
                     .want = j->tangent ? GH_WANT_TANGENT : 0,
                     .count = count_part,
-                    .data = &j->error};
+                    .data = &j->error.balance};
   memcpy(way.from, from, sizeof way.from);
   memcpy(way.to, to, sizeof way.to);
   GH_TRY(gh_rve_reach(j->rve, &way, A));

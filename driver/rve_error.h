@@ -4,21 +4,16 @@
 
 #include "granhom/micro.h"
 
-/* Zero to begin with. The first converged part is the zero of work and energy. */
+/* Zero to begin with. */
 typedef struct rve_error {
-  int parts;
-  double F[4], P[4]; /* of the last part */
-  double work, held, energy0, largest, residual;
+  gh_rve_balance balance;
   int compared, branched;
   double before[4], apart[4]; /* P, and its difference to the other path, at the last row */
   double kept, now, most, scale;
 } rve_error;
 
-/* A part has converged: work by the trapezoidal rule, energy gained and dissipated, residual. */
-void rve_error_count(rve_error *e, const gh_rve_measures *m);
 /* P of a row when it was reached in halves, and in one from a path of its own in whole rows (NULL: it was not
- * reached). True: the two are
- * different paths, and have to go on as one. */
+ * reached). True: the two are different paths, and have to go on as one. */
 bool rve_error_compare(rve_error *e, const double P[4], const double whole[4], const gh_rve_options *o);
 void rve_error_tell(gh_context *ctx, const rve_error *e);
 

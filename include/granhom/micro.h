@@ -96,6 +96,23 @@ enum { GH_WAY_CUTS = 6 };
  * parts but the last are committed. GH_DIVERGED: cuts are spent; the converged state is that of the last part
  * that was reached. Other errors as in gh_rve_evaluate. */
 gh_status gh_rve_reach(gh_rve *rve, gh_rve_way *way, double A[16]);
+
+/* Hill-Mandel along the parts of a path: work of P on F by the trapezoidal rule against what the packing
+ * stores and has dissipated, per reference area. Zero to begin with; the first part is the zero of both. */
+typedef struct gh_rve_balance {
+  long parts;
+  double F[4], P[4];     /* of the last part */
+  double work, held;     /* energy gained and dissipated */
+  double first, largest; /* what was held at the first part; largest work or gain so far */
+  double residual;       /* largest */
+} gh_rve_balance;
+void gh_rve_balance_add(gh_rve_balance *balance, const gh_rve_measures *m);
+/* (work - held) / largest; 0 where nothing was done. */
+double gh_rve_balance_defect(const gh_rve_balance *balance);
+/* Whether a path in halves and the same in whole increments have become two (docs/method.md, "What a run
+ * knows of its error"): `growth` is by how much they have parted in this increment, `change` how much the
+ * stress has changed in it, `scale` the stress, all in the same norm; `tolerance` is that of the stress. */
+bool gh_is_branch(const gh_contact_law *law, double tolerance, double growth, double change, double scale);
 /* Of the last evaluation. */
 const gh_rve_measures *gh_rve_measure(const gh_rve *rve);
 void gh_rve_costs(const gh_rve *rve, gh_rve_cost *cost);

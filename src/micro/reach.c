@@ -5,6 +5,12 @@
 #include <math.h>
 #include <string.h>
 
+/* Paths that part by more than this share of what the stress has changed by are two, not the same one more
+ * and less precisely. */
+static const double branch = 0.1;
+/* Stresses are off by up to this many times the residual. */
+static const double amplified = 1e3;
+
 /* A part from the converged state to the share `end` of the way. */
 static gh_status reach_part(gh_rve *rve, gh_rve_way *w, double end, double A[16]) {
   double F[4], P[4];
@@ -36,4 +42,26 @@ gh_status gh_rve_reach(gh_rve *rve, gh_rve_way *w, double A[16]) {
     if (level > w->halvings && fmod(t, 2 * dt) == 0) dt *= 2, level--;
   }
   return GH_OK;
+}
+
+void gh_rve_balance_add(gh_rve_balance *b, const gh_rve_measures *m) {
+  const double held = m->energy + m->dissipation;
+  const bool first = b->parts++ == 0;
+  if (first) b->first = held;
+  for (int k = 0; k < 4 && !first; k++) b->work += 0.5 * (m->P[k] + b->P[k]) * (m->F[k] - b->F[k]);
+  memcpy(b->F, m->F, sizeof b->F);
+  memcpy(b->P, m->P, sizeof b->P);
+  b->held = held - b->first;
+  b->largest = fmax(b->largest, fmax(fabs(b->work), fabs(b->held)));
+  b->residual = fmax(b->residual, m->residual);
+}
+
+double gh_rve_balance_defect(const gh_rve_balance *b) {
+  return b->largest > 0 ? (b->work - b->held) / b->largest : 0;
+}
+
+/* Without friction the stress depends on F alone as long as no packing rearranges: any difference that is
+ * more than what the tolerances leave is a branch. */
+bool gh_is_branch(const gh_contact_law *law, double tolerance, double growth, double change, double scale) {
+  return growth > amplified * tolerance * scale && (!law->friction || growth > branch * change);
 }

@@ -2,12 +2,6 @@
  * SPDX-License-Identifier: GPL-2.0-or-later */
 #include "scene/internal.h"
 
-/* Paths that part by more than this share of what the stress has changed by are two, not the same one more
- * and less precisely. */
-static const double branch = 0.1;
-/* Stresses are off by up to this many times the residual. */
-static const double amplified = 1e3;
-
 void gh_scene_set_estimate(gh_scene *s, bool estimate) {
   s->estimate = estimate;
 }
@@ -55,12 +49,10 @@ static void find_force(const gh_scene *s, const gh_macro *m, const gh_difference
   *now = sqrt(*now), *off = sqrt(*off);
 }
 
-/* Without friction the stress depends on F alone as long as no packing rearranges: any difference that is
- * more than what the tolerances leave is a branch. */
 static bool is_branched(const gh_scene *s, const gh_macro_report *halves, const gh_difference *d) {
-  const double noise = amplified * fmax(s->micro.tolerance, s->solver.tolerance) * d->scale;
   if (!d->known || halves->jumps > 0 || d->whole.jumps > 0) return true;
-  return d->growth > noise && (!s->micro.law.friction || d->growth > branch * d->change);
+  return gh_is_branch(&s->micro.law, fmax(s->micro.tolerance, s->solver.tolerance), d->growth, d->change,
+                      d->scale);
 }
 
 /* The error of halves of first order is what they differ by from the whole: (2 - 1)^-1 of it. Where the paths

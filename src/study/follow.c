@@ -35,28 +35,14 @@ typedef struct walk {
   study_run *run;
   gh_rve *rve;
   size_t capacity;
-  long parts;
-  double work, first_energy, largest; /* P : dF by the trapezoidal rule; for the energy defect */
-  double F[4], P[4];                  /* of the last part */
+  gh_rve_balance balance;
 } walk;
-
-/* Hill-Mandel along the parts of the path: work of the stress against what the packing stores and has
- * dissipated. */
-static void balance(walk *w, const gh_rve_measures *m) {
-  const bool first = w->parts++ == 0;
-  if (first) w->first_energy = m->energy;
-  for (int c = 0; c < 4 && !first; c++) w->work += 0.5 * (w->P[c] + m->P[c]) * (m->F[c] - w->F[c]);
-  memcpy(w->P, m->P, sizeof w->P);
-  memcpy(w->F, m->F, sizeof w->F);
-  double gained = m->energy - w->first_energy + m->dissipation;
-  w->largest = fmax(w->largest, fmax(fabs(w->work), fabs(gained)));
-  w->run->energy_defect = w->largest > 0 ? (w->work - gained) / w->largest : 0;
-}
 
 static void count(void *data, const gh_rve_measures *m) {
   walk *w = data;
-  w->run->residual = fmax(w->run->residual, m->residual);
-  balance(w, m);
+  gh_rve_balance_add(&w->balance, m);
+  w->run->residual = w->balance.residual;
+  w->run->energy_defect = gh_rve_balance_defect(&w->balance);
 }
 
 static gh_status reach(walk *w, const double from[4], const double to[4]) {

@@ -386,6 +386,39 @@ static void ways_in_parts(void **state) {
   gh_packing_destroy(&p);
 }
 
+/* A linear spring of stiffness 3 in F11 that also dissipates 0.2 a part: the trapezoidal rule is exact, so
+ * the balance holds but for what is taken away at the last part. */
+static void balances(void **state) {
+  (void)state;
+  gh_rve_balance b = {0};
+  gh_rve_measures m = {0};
+  const double residual[3] = {1e-9, 4e-9, 2e-9};
+  assert_true(gh_rve_balance_defect(&b) == 0);
+  for (int k = 0; k < 3; k++) {
+    const double e = 0.5 + k; /* stretched before the first part */
+    m.F[0] = 1 + e, m.P[0] = 3 * e + 0.2, m.energy = 1.5 * e * e, m.dissipation = 7 + 0.2 * k;
+    m.residual = residual[k];
+    gh_rve_balance_add(&b, &m);
+  }
+  NEAR("work", b.work, 1.5 * (2.5 * 2.5 - 0.5 * 0.5) + 0.4, 1e-15);
+  NEAR("held", b.held, b.work, 1e-14);
+  assert_true(b.residual == 4e-9 && fabs(gh_rve_balance_defect(&b)) < 1e-14);
+  m.energy -= 0.94; /* and F stays where it is */
+  gh_rve_balance_add(&b, &m);
+  NEAR("defect", gh_rve_balance_defect(&b), 0.94 / 9.4, 1e-14);
+}
+
+/* The limits of docs/method.md: a thousand tolerances, and with friction a tenth of the change as well. */
+static void branches(void **state) {
+  (void)state;
+  const gh_contact_law smooth = {.normal_stiffness = 1}, rough = {.normal_stiffness = 1, .friction = 1};
+  assert_true(gh_is_branch(&smooth, 1e-8, 2.01e-5, 1, 2));
+  assert_false(gh_is_branch(&smooth, 1e-8, 1.99e-5, 1e-9, 2));
+  assert_true(gh_is_branch(&rough, 1e-8, 0.11, 1, 2));
+  assert_false(gh_is_branch(&rough, 1e-8, 0.09, 1, 2));
+  assert_false(gh_is_branch(&rough, 1e-8, 1.99e-5, 1e-9, 2));
+}
+
 /* Halvings are asked for; where nothing moves there is nothing to cut. */
 static void ways_in_halves(void **state) {
   gh_context *ctx = *state;
@@ -587,6 +620,8 @@ int main(void) {
                                      TEST(too_few_steps),
                                      TEST(ways_in_parts),
                                      TEST(ways_in_halves),
+                                     TEST(balances),
+                                     TEST(branches),
                                      TEST(looking_at_an_rve),
                                      TEST(a_farm_of_anything),
                                      TEST(a_farm_is_stopped),
