@@ -26,20 +26,26 @@ spread=
 cp "$build/granhom" "$out/granhom.$$"
 mv "$out/granhom.$$" "$out/granhom"
 
-sizes="88 150 300 600 1200 2400"
-[ "$quick" = 1 ] && sizes="88 150 300"
+sizes="2400 1200 600 300 150 88" # longest first: as many ensembles as ranks grow side by side
+[ "$quick" = 1 ] && sizes="300 150 88"
 mkdir -p "$packings"
+wanted=
 for n in $sizes; do
   [ ! -e "$packings/p$n-015.data" ] || continue
   echo "fifteen packings of $n grains ..."
   grains="scenes/packings/block150.yaml --count $n"
   # the largest fraction needs 150 grains
   [ "$n" -ge 150 ] || grains="--sieve scenes/packings/biaxial.csv --finish overlap=0.001 --finish-cell relaxed"
-  # shellcheck disable=SC2086
-  "$out/granhom" pack $grains --seed 1 --ensemble 15 -o "$packings/p$n.data" >"$packings/p$n.log" 2>&1
+  wanted="$wanted$grains --seed 1 --ensemble 15 -o $packings/p$n.data
+"
 done
 # the slope: five packings; twice and three times as many elements each way
-[ -e "$packings/s700-005.data" ] || "$out/granhom" pack scenes/packings/slope700.yaml --ensemble 5 -o "$packings/s700.data" >"$packings/s700.log" 2>&1
+[ -e "$packings/s700-005.data" ] || wanted="${wanted}scenes/packings/slope700.yaml --ensemble 5 -o $packings/s700.data
+"
+if ! printf %s "$wanted" | xargs -r -L 1 -P "$ranks" "$out/granhom" pack >"$packings/grow.log" 2>&1; then
+  tail -n 5 "$packings/grow.log" >&2
+  exit 1
+fi
 mkdir -p scenes/studies/meshes
 for finer in 2 3; do
   /usr/bin/env python3 scenes/slope/make_mesh.py $finer >scenes/studies/meshes/slope-$finer.msh
