@@ -22,6 +22,13 @@ enum { SHIFT_X, SHIFT_Y, REACH, LN_X, LN_Y, GAMMA, GAMMA_PL, ALPHA, GIVEN };
 enum { FORCE_X, FORCE_Y, COUPLE, OVERLAP, EXERTED };
 enum { PER_BLOCK = 6 };
 
+/* Grains between contacts that slide the wrong way spin: nothing resists until the slip of one of them has
+ * gone back to its limit, and a small moment takes thousands of steps for it. So where the residual has not
+ * come down to half in SPIN_PATIENCE steps and is below SPIN_RESIDUAL, those that turned the most since then
+ * go on at once to where nothing drives them any more, if that is SPIN_LEAST times as far or farther. */
+enum { SPIN_PATIENCE = 200, SPIN_LEAST = 2, SPIN_TRIALS = 60 };
+static const double SPIN_RESIDUAL = 1e-3, SPIN_SHARE = 0.5, SPIN_REST = 1e-3;
+
 /* The parts of the work space. */
 typedef struct parts {
   double *given;  /* GIVEN x npairs */
@@ -31,10 +38,11 @@ typedef struct parts {
   double *old_f;  /* 2 n: forces of the last step */
   double *old_c;  /* n: sums of the couples of the last step */
   double *block;  /* PER_BLOCK n: stiffness of each grain alone */
+  double *before; /* n: `rolled` when it was last looked for spins */
 } parts;
 
 size_t gh_relax_friction_work(int n, int npairs) {
-  return (GIVEN + EXERTED) * (size_t)npairs + (5 + PER_BLOCK) * (size_t)n;
+  return (GIVEN + EXERTED) * (size_t)npairs + (6 + PER_BLOCK) * (size_t)n;
 }
 
 static parts divide(const gh_relax_friction *s) {
@@ -46,6 +54,7 @@ static parts divide(const gh_relax_friction *s) {
   w.old_f = w.couple + n;
   w.old_c = w.old_f + 2 * n;
   w.block = w.old_c + n;
+  w.before = w.block + PER_BLOCK * n;
   return w;
 }
 
@@ -274,6 +283,67 @@ static double rayleigh(const gh_relax_friction *s, const parts *w, double dt) {
   return down > 0 && up > 0 ? up / (dt * down) : 0;
 }
 
+/* Turns the spinning grains on by `leap` times their way `spun`; the power of their moments along it, over
+ * the radius. It falls with the leap, because positions fix the normal forces, and the potential of the
+ * rotations is convex then. */
+static double spin_on(gh_relax_friction *s, const parts *w, const double *spun, double leap,
+                      double *mean_force) {
+  double power = 0;
+  for (int i = 0; i < s->grains.n; i++) s->theta[i] += leap * spun[i] / s->radius[i];
+  forces(s, w, mean_force);
+  for (int i = 0; i < s->grains.n; i++) power -= w->couple[i] * spun[i];
+  return power;
+}
+
+/* The way of the grains that spin since `before`, in its place, zero for the others; returns the longest over
+ * the grain's radius. Grains that roll on each other go equally far. */
+static double find_spins(const gh_relax_friction *s, const parts *w) {
+  double longest = 0, turn = 0, *spun = w->before;
+  for (int i = 0; i < s->grains.n; i++) {
+    spun[i] = w->rolled[i] - spun[i];
+    longest = fmax(longest, fabs(spun[i]));
+  }
+  for (int i = 0; i < s->grains.n; i++) {
+    if (fabs(spun[i]) < SPIN_SHARE * longest) spun[i] = 0;
+    turn = fmax(turn, fabs(spun[i]) / s->radius[i]);
+  }
+  return turn;
+}
+
+/* From the leap `far`, where the power is none or negative, to where it is `rest` at most; at `near` it is
+ * positive. */
+static void settle(gh_relax_friction *s, const parts *w, const double *spun, double near, double far,
+                   double rest, double *mean_force) {
+  double at = far;
+  for (int k = 0; k < SPIN_TRIALS; k++) {
+    const double middle = 0.5 * (near + far), there = spin_on(s, w, spun, middle - at, mean_force);
+    at = middle;
+    if (fabs(there) <= rest) return;
+    if (there > 0) near = middle;
+    else far = middle;
+  }
+}
+
+/* Leaps of the spinning grains to where the power of their moments ends, a radian at most; none where it ends
+ * nearby. */
+static void leap(gh_relax_friction *s, const parts *w, double *mean_force) {
+  const double turn = find_spins(s, w), *spun = w->before, power = spin_on(s, w, spun, 0, mean_force);
+  double at = 0;
+  if (!(power > 0)) return;
+  for (double next = SPIN_LEAST; next * turn < 1; next *= 4) {
+    const double there = spin_on(s, w, spun, next - at, mean_force);
+    if (there > 0) {
+      at = next;
+      continue;
+    }
+    if (at > 0) settle(s, w, spun, at, next, SPIN_REST * power, mean_force);
+    else spin_on(s, w, spun, -next, mean_force);
+    break;
+  }
+  for (int i = 0; i < s->grains.n && at > 0; i++)
+    if (spun[i] != 0) s->w[i] = 0;
+}
+
 /* Raises the least damping where the residual does not come down. */
 static void watch(gh_relax_watch *w, double residual) {
   if (w->least == 0) *w = (gh_relax_watch){.record = INFINITY, .least = LEAST_DAMPING};
@@ -313,6 +383,10 @@ gh_relax_end gh_relax_friction_run(gh_relax_friction *s, double tolerance, doubl
     if (k + 1 >= max_steps) return GH_RELAX_STEPS;
     if (stale || k % BOUND_EVERY == 0) dt = time_step(s, w.block);
     watch(&s->watch, *residual);
+    if (k % SPIN_PATIENCE == 0 && !s->law->fixed_rotations) {
+      if (k > 0 && s->watch.waited >= SPIN_PATIENCE && *residual <= SPIN_RESIDUAL) leap(s, &w, mean_force);
+      memcpy(w.before, w.rolled, n * sizeof(double));
+    }
     g->damping = fmax(g->damping, s->watch.least / dt);
     memcpy(w.old_f, g->f, 2 * n * sizeof(double));
     memcpy(w.old_c, w.couple, n * sizeof(double));

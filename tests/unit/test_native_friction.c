@@ -473,6 +473,35 @@ static void only_rotations(void **state) {
   gh_engine_destroy(&g);
 }
 
+/* A grain between two that cannot turn, because each is one of a triangle: both contacts slide, one each way,
+ * and a trifle more overlap on one side drives the grain on until the slip there has gone back to its limit.
+ * On the way nothing resists; steps alone are not at rest after 200,000. */
+static void a_grain_that_spins(void **state) {
+  gh_context *ctx = *state;
+  const double e = 0.02, uneven = 1e-5, deep = 1.9, slip = 0.2, far = deep * sqrt(0.75);
+  const double left = e - 2, right = 2 - e * (1 + uneven);
+  sample s = {.n = 7,
+              .radius = {1, 1, 1, 1, 1, 1, 1},
+              .x_n = {left, 0, 0, 0, right, 0, left - far, 0.5 * deep, left - far, -0.5 * deep, right + far,
+                      0.5 * deep, right + far, -0.5 * deep},
+              .nslips = 2,
+              .slips = {{.i = 0, .j = 1, .gamma = slip}, {.i = 1, .j = 2, .gamma = -slip}}};
+  const unsigned char held[MOST] = {1, 1, 1, 1, 1, 1, 1};
+  double x[14], theta[7];
+  memcpy(s.x, s.x_n, sizeof s.x);
+  gh_engine *g = make_engine(ctx, &s, LAW, held);
+  put(ctx, g, &s);
+  gh_relax_result r = relax(ctx, g, 1e-11);
+  assert_true(r.converged);
+  assert_in_range(r.steps, 1, 1500);
+  OK(gh_engine_get(g, x, theta));
+  /* f_t s on both sides is mu E_n e s of the left one */
+  const double limit = 0.3 * 100 * e * (2 - e) / right;
+  NEAR("slip of the right contact", (theta[1] + theta[2]) * right / 2 - slip, -limit / 80, 1e-9);
+  assert_true(theta[0] < 0 && fabs(theta[0]) < 0.01 && fabs(theta[2]) < 0.01);
+  gh_engine_destroy(&g);
+}
+
 /* Where the pair list is made anew does not matter: two engines come to the same positions from lists that
  * were made at different places, and the contacts are those of a list made at the end. */
 static void lists_do_not_matter(void **state) {
@@ -627,6 +656,7 @@ int main(void) {
                                      TEST(kept_in_another_cell),
                                      TEST(relaxation),
                                      TEST(only_rotations),
+                                     TEST(a_grain_that_spins),
                                      TEST(lists_do_not_matter),
                                      TEST(moving_is_setting),
                                      TEST(no_friction),
