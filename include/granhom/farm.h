@@ -51,11 +51,14 @@ int gh_farm_size(const gh_farm *farm);
 void gh_farm_set_stop(gh_farm *farm, bool (*stop)(void *data), void *data);
 
 /* F: n x 4 (row-major 2x2). Fills P (n x 4) and, where wanted, A (n x 16, index iJkL). Trial state only:
- * every evaluation starts from the converged state. A failure names the point ("integration point 17: ...",
- * counted from 0), the first one of those that fail. */
+ * every evaluation starts from the converged state, or near a trial state that was kept. A failure names the
+ * point ("integration point 17: ...", counted from 0), the first one of those that fail. */
 gh_status gh_farm_evaluate(gh_farm *farm, const double *F, unsigned want, double *P, double *A);
 gh_status gh_farm_commit(gh_farm *farm); /* trial state becomes the converged state */
-gh_status gh_farm_revert(gh_farm *farm); /* trial state is dropped */
+gh_status gh_farm_revert(gh_farm *farm); /* trial state is dropped, and what was kept */
+/* Keeps the trial states of the last evaluation until the next commit or revert: evaluations at nearly the
+ * same F begin there (gh_rve_evaluate_near). Of RVEs with branches (gh_rve_has_branches), else nothing. */
+void gh_farm_keep(gh_farm *farm);
 
 /* The converged states of all points as they are now, to come back to. States never change once they are
  * written, so that this keeps references; nothing is copied or sent. To be dropped before the farm.

@@ -32,6 +32,11 @@ gh_rve_options gh_rve_defaults(void);
 /* The relaxation steps that these options allow: max_steps, or the default (friction relaxes in fewer). */
 long gh_rve_step_limit(const gh_rve_options *options);
 
+/* Whether a packing often has several equilibria close to each other at the same F: free grains with
+ * friction.
+ */
+bool gh_rve_has_branches(const gh_rve_options *options);
+
 enum { GH_WANT_TANGENT = 1 };
 
 /* Everything else that an evaluation knows. */
@@ -76,6 +81,14 @@ void gh_rve_destroy(gh_rve **rve);
  * (5.3-5.6) and, where `want` asks, A (6.3, 6.7, 6.18, 6.19); A may be NULL otherwise. GH_INPUT: det F <= 0
  * or not finite. GH_DIVERGED: no equilibrium within max_steps. */
 gh_status gh_rve_evaluate(gh_rve *rve, const double F[4], unsigned want, double P[4], double A[16]);
+/* The same, with a trial state of this RVE (gh_rve_save_trial) that was found from the same converged state:
+ * the search for equilibrium begins there if F is near to its F, that is, no farther than a tenth of the way
+ * from the converged one to that. A packing that has several equilibria at nearly the same F then stays with
+ * the one that it has, where a search from the converged state may come to another. The history of contacts
+ * counts from the converged state in any case. NULL, and Taylor's conditions: as gh_rve_evaluate. GH_INPUT:
+ * the state does not fit. */
+gh_status gh_rve_evaluate_near(gh_rve *rve, const double F[4], const double *near, size_t size, unsigned want,
+                               double P[4], double A[16]);
 gh_status gh_rve_commit(
     gh_rve *rve); /* trial state becomes the converged state; without a trial state nothing happens */
 gh_status gh_rve_revert(gh_rve *rve); /* trial state is dropped */

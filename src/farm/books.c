@@ -13,6 +13,7 @@ static gh_status fill(farm_books *b, const gh_farm_setup *setup) {
   GH_TRY(gh_alloc(b->ctx, n, sizeof *b->packing, &b->packing));
   GH_TRY(gh_alloc(b->ctx, n, sizeof *b->state, &b->state));
   GH_TRY(gh_alloc(b->ctx, n, sizeof *b->job, &b->job));
+  GH_TRY(gh_alloc(b->ctx, n, sizeof *b->near, &b->near));
   GH_TRY(gh_alloc(b->ctx, n, sizeof *b->home, &b->home));
   GH_TRY(gh_alloc(b->ctx, n, sizeof *b->cost, &b->cost));
   GH_TRY(gh_alloc(b->ctx, n, sizeof *b->measure, &b->measure));
@@ -28,7 +29,7 @@ static gh_status fill(farm_books *b, const gh_farm_setup *setup) {
   for (int k = 0; k < b->n; k++) {
     b->packing[k] = b->state[k] = setup->packing_of ? setup->packing_of[k] : 0;
     b->states[b->state[k]].users++;
-    b->job[k] = -1;
+    b->job[k] = b->near[k] = -1;
     b->home[k] = (int)((double)k * b->ranks / b->n);
   }
   return GH_OK;
@@ -40,7 +41,8 @@ gh_status farm_books_create(gh_context *ctx, const gh_farm_setup *setup, int ran
                     .npackings = setup->npackings,
                     .ranks = ranks,
                     .share = !setup->no_share,
-                    .balance = !setup->no_balance};
+                    .balance = !setup->no_balance,
+                    .keeps = gh_rve_has_branches(&setup->rve)};
   for (int k = 0; setup->packing_of && k < setup->n; k++)
     if (setup->packing_of[k] < 0 || setup->packing_of[k] >= setup->npackings)
       return gh_fail(ctx, GH_INPUT, "integration point %d: there is no packing %d among %d", k,
@@ -50,8 +52,8 @@ gh_status farm_books_create(gh_context *ctx, const gh_farm_setup *setup, int ran
 
 void farm_books_destroy(farm_books *b) {
   for (int r = 0; b->slots && r < b->ranks; r++) free(b->slots[r].item);
-  void *const arrays[] = {b->packing, b->state,  b->job,       b->home,      b->cost, b->measure, b->table,
-                          b->slots,   b->states, b->idle.item, b->next_slot, b->jobs, b->moves};
+  void *const arrays[] = {b->packing, b->state, b->job,    b->near,      b->home,      b->cost, b->measure,
+                          b->table,   b->slots, b->states, b->idle.item, b->next_slot, b->jobs, b->moves};
   for (size_t k = 0; k < sizeof arrays / sizeof *arrays; k++) free(arrays[k]);
   *b = (farm_books){0};
 }
@@ -97,9 +99,28 @@ void farm_books_enter(farm_books *b, int point, int state) {
   farm_books_release(b, old);
 }
 
+/* The point keeps another trial state, or none. */
+static void hold(farm_books *b, int point, int state) {
+  int old = b->near[point];
+  if (old == state) return;
+  if (state >= 0) b->states[state].users++;
+  b->near[point] = state;
+  if (old >= 0) farm_books_release(b, old);
+}
+
+void farm_books_keep(farm_books *b) {
+  if (!b->keeps || !b->trial) return;
+  for (int k = 0; k < b->n; k++) hold(b, k, b->jobs[b->job[k]].result);
+}
+
+void farm_books_forget(farm_books *b) {
+  for (int k = 0; k < b->n; k++) hold(b, k, -1);
+}
+
 static void drop_jobs(farm_books *b) {
   for (int j = 0; j < b->njobs; j++) {
     farm_books_release(b, b->jobs[j].state);
+    if (b->jobs[j].near >= 0) farm_books_release(b, b->jobs[j].near);
     if (b->jobs[j].result >= 0) farm_books_release(b, b->jobs[j].result);
   }
   b->njobs = 0;
@@ -108,6 +129,7 @@ static void drop_jobs(farm_books *b) {
 
 void farm_books_clear(farm_books *b) {
   drop_jobs(b);
+  farm_books_forget(b);
   for (int k = 0; k < b->n; k++) {
     farm_books_enter(b, k, b->packing[k]);
     b->job[k] = -1;
@@ -117,22 +139,28 @@ void farm_books_clear(farm_books *b) {
 /* ---- jobs ---- */
 
 /* FNV-1a. */
-static uint64_t hash(long content, const double F[4]) {
-  unsigned char bytes[sizeof content + 4 * sizeof *F];
+static uint64_t hash(long content, long near, const double F[4]) {
+  unsigned char bytes[sizeof content + sizeof near + 4 * sizeof *F];
   uint64_t h = 14695981039346656037u;
   memcpy(bytes, &content, sizeof content);
-  memcpy(bytes + sizeof content, F, 4 * sizeof *F);
+  memcpy(bytes + sizeof content, &near, sizeof near);
+  memcpy(bytes + sizeof content + sizeof near, F, 4 * sizeof *F);
   for (size_t k = 0; k < sizeof bytes; k++) h = (h ^ bytes[k]) * 1099511628211u;
   return h;
 }
 
-/* The job with this content and F among those planned so far; -1, and the place in the table where it
+static long content_of(const farm_books *b, int state) {
+  return state < 0 ? -1 : b->states[state].content;
+}
+
+/* The job with these contents and F among those planned so far; -1, and the place in the table where it
  * belongs. */
-static int find_job(const farm_books *b, long content, const double F[4], size_t *place) {
-  size_t mask = b->table_size - 1, at = (size_t)hash(content, F) & mask;
+static int find_job(const farm_books *b, long content, long near, const double F[4], size_t *place) {
+  size_t mask = b->table_size - 1, at = (size_t)hash(content, near, F) & mask;
   for (; b->table[at] >= 0; at = (at + 1) & mask) {
     const farm_job *job = b->jobs + b->table[at];
-    if (b->states[job->state].content == content && !memcmp(job->task.F, F, sizeof job->task.F))
+    if (content_of(b, job->state) == content && content_of(b, job->near) == near &&
+        !memcmp(job->task.F, F, sizeof job->task.F))
       return b->table[at];
   }
   *place = at;
@@ -144,44 +172,47 @@ static gh_status collect(farm_books *b, const double *F) {
   GH_TRY(gh_grow(b->ctx, (size_t)b->n, sizeof *b->jobs, &b->job_capacity, &b->jobs));
   for (int k = 0; k < b->n; k++) {
     size_t place;
-    const farm_state *s = b->states + b->state[k];
-    int found = b->share ? find_job(b, s->content, F + 4 * k, &place) : -1;
+    const long content = content_of(b, b->state[k]), near = content_of(b, b->near[k]);
+    int found = b->share ? find_job(b, content, near, F + 4 * k, &place) : -1;
     if (found < 0) {
       found = b->njobs++;
       if (b->share) b->table[place] = found;
       b->jobs[found] = (farm_job){.task = {.packing = b->packing[k], .point = k},
                                   .state = b->state[k],
+                                  .near = b->near[k],
                                   .result = -1,
                                   .rank = b->home[k],
                                   .cost = b->cost[k]};
       memcpy(b->jobs[found].task.F, F + 4 * k, sizeof b->jobs[found].task.F);
       b->states[b->state[k]].users++;
+      if (b->near[k] >= 0) b->states[b->near[k]].users++;
     }
     b->job[k] = found;
   }
   return GH_OK;
 }
 
-/* Copies of states for jobs on other ranks. */
-static gh_status plan_moves(farm_books *b) {
-  b->nmoves = 0;
-  for (int j = 0; j < b->njobs; j++) {
-    farm_job *job = b->jobs + j;
-    farm_state s = b->states[job->state];
-    int copy;
-    if (s.rank == FARM_FRESH || s.rank == job->rank) continue;
-    GH_TRY(gh_grow(b->ctx, b->nmoves + 1, sizeof *b->moves, &b->move_capacity, &b->moves));
-    GH_TRY(farm_books_state(b, s.packing, job->rank, s.content, &copy));
-    b->moves[b->nmoves++] = (farm_move){.from = job->state, .to = copy};
-    job->state = copy; /* the job's use of the old state ends with the moves (farm_books_settle) */
-  }
+/* A copy of a state for a job on another rank. The job's use of the old state ends with the moves
+ * (farm_books_settle). */
+static gh_status bring(farm_books *b, int rank, int *state) {
+  if (*state < 0) return GH_OK;
+  const farm_state s = b->states[*state];
+  int copy;
+  if (s.rank == FARM_FRESH || s.rank == rank) return GH_OK;
+  GH_TRY(gh_grow(b->ctx, b->nmoves + 1, sizeof *b->moves, &b->move_capacity, &b->moves));
+  GH_TRY(farm_books_state(b, s.packing, rank, s.content, &copy));
+  b->moves[b->nmoves++] = (farm_move){.from = *state, .to = copy};
+  *state = copy;
   return GH_OK;
 }
 
 /* Points go along with their jobs' states, and what was moved is let go. Slots become free by this, so it
  * comes after the new states have got theirs: nothing is written over what a move still reads. */
 void farm_books_settle(farm_books *b) {
-  for (int k = 0; k < b->n; k++) farm_books_enter(b, k, b->jobs[b->job[k]].state);
+  for (int k = 0; k < b->n; k++) {
+    farm_books_enter(b, k, b->jobs[b->job[k]].state);
+    hold(b, k, b->jobs[b->job[k]].near);
+  }
   for (size_t k = 0; k < b->nmoves; k++) farm_books_release(b, b->moves[k].from);
 }
 
@@ -189,11 +220,16 @@ gh_status farm_books_plan(farm_books *b, const double *F) {
   drop_jobs(b);
   GH_TRY(collect(b, F));
   if (b->ranks > 1 && b->balance) GH_TRY(farm_balance(b));
-  GH_TRY(plan_moves(b));
+  b->nmoves = 0;
+  for (int j = 0; j < b->njobs; j++) {
+    GH_TRY(bring(b, b->jobs[j].rank, &b->jobs[j].state));
+    GH_TRY(bring(b, b->jobs[j].rank, &b->jobs[j].near));
+  }
   for (int j = 0; j < b->njobs; j++) {
     farm_job *job = b->jobs + j;
     GH_TRY(farm_books_state(b, job->task.packing, job->rank, ++b->content, &job->result));
     job->task.from = b->states[job->state].slot;
+    job->task.near = job->near < 0 ? FARM_FRESH : b->states[job->near].slot;
     job->task.to = b->states[job->result].slot;
   }
   b->counts.moved += (long)b->nmoves;
@@ -210,6 +246,7 @@ void farm_books_commit(farm_books *b) {
   if (!b->trial) return;
   for (int k = 0; k < b->n; k++) farm_books_enter(b, k, b->jobs[b->job[k]].result);
   b->trial = false;
+  farm_books_forget(b);
 }
 
 int farm_books_count(const farm_books *b) {

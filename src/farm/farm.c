@@ -89,7 +89,12 @@ gh_status gh_farm_commit(gh_farm *f) {
 gh_status gh_farm_revert(gh_farm *f) {
   if (!f->shared) return for_all(f, f->ops.revert);
   f->shared->books.trial = false;
+  farm_books_forget(&f->shared->books);
   return GH_OK;
+}
+
+void gh_farm_keep(gh_farm *f) {
+  if (f->shared) farm_books_keep(&f->shared->books);
 }
 
 /* ---- looking at it ---- */

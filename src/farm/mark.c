@@ -34,6 +34,7 @@ failed:
 void gh_farm_return(gh_farm *f, const gh_farm_mark *m) {
   farm_books *b = &f->shared->books;
   b->trial = false;
+  farm_books_forget(b);
   memcpy(b->measure, m->measure, (size_t)b->n * sizeof *b->measure);
   for (int k = 0; k < b->n; k++) {
     farm_books_enter(b, k, m->state[k]);

@@ -291,7 +291,8 @@ static farm_task task_of(const farm_shared *s, int point, int *rank) {
     return b->jobs[b->job[point]].task;
   }
   const farm_state *state = b->states + b->state[point];
-  farm_task task = {.packing = b->packing[point], .from = state->slot, .to = -1, .point = point};
+  farm_task task = {
+      .packing = b->packing[point], .from = state->slot, .to = -1, .near = FARM_FRESH, .point = point};
   memcpy(task.F, b->measure[point].F, sizeof task.F);
   *rank = state->rank > 0 ? state->rank : 0;
   return task;

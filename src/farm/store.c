@@ -32,6 +32,7 @@ struct farm_store {
   int resident;
   slot *slots;
   size_t nslots, slot_capacity;
+  size_t largest; /* state in a slot so far */
   space *spaces;
   int nspaces;
   size_t space_capacity;
@@ -124,7 +125,12 @@ static gh_status need_slot(farm_store *s, int number) {
 
 gh_status farm_store_put(farm_store *s, int number, size_t size, double **state) {
   GH_TRY(need_slot(s, number));
-  GH_TRY(resize(s, s->slots + number, size));
+  slot *q = s->slots + number;
+  /* Slots go from point to point, and states grow with their contacts: one that must grow at all gets room
+   * for any of them. */
+  if (size > s->largest) s->largest = size;
+  if (size > q->capacity) GH_TRY(gh_grow(s->ctx, s->largest, sizeof *q->data, &q->capacity, &q->data));
+  GH_TRY(resize(s, q, size));
   *state = s->slots[number].data;
   return GH_OK;
 }
@@ -241,6 +247,14 @@ static gh_status load(farm_store *s, const farm_task *task, space *w) {
   return GH_OK;
 }
 
+static gh_status evaluate(farm_store *s, const farm_task *task, gh_rve *rve, unsigned want, double *P,
+                          double *A) {
+  const double *near = NULL;
+  size_t size = 0;
+  if (task->near != FARM_FRESH) GH_TRY(farm_store_get(s, task->near, &near, &size));
+  return gh_rve_evaluate_near(rve, task->F, near, size, want, P, A);
+}
+
 static gh_status check_task(farm_store *s, const farm_task *task) {
   const double *state;
   size_t size;
@@ -266,7 +280,7 @@ gh_status farm_store_evaluate(farm_store *s, const farm_task *task, unsigned wan
   double before = first ? heap() : 0;
   w->ticket = ++s->ticket;
   GH_TRY(load(s, task, w));
-  gh_status status = gh_rve_evaluate(w->rve, task->F, want, a->P, a->A);
+  gh_status status = evaluate(s, task, w->rve, want, a->P, a->A);
   if (first) measure_memory(s, w, before);
   GH_TRY(status);
   double *state;
@@ -291,7 +305,7 @@ gh_status farm_store_look(farm_store *s, const farm_task *task, gh_rve_view *vie
   GH_TRY(choose(s, task, &k));
   s->spaces[k].ticket = ++s->ticket;
   GH_TRY(load(s, task, s->spaces + k));
-  GH_TRY(gh_rve_evaluate(s->spaces[k].rve, task->F, 0, P, NULL));
+  GH_TRY(evaluate(s, task, s->spaces[k].rve, 0, P, NULL));
   return gh_rve_look(s->spaces[k].rve, view);
 }
 

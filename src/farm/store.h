@@ -15,6 +15,7 @@ typedef struct farm_store farm_store;
 /* One evaluation: from a slot (or FARM_FRESH) into another. */
 typedef struct farm_task {
   int packing, from, to;
+  int near;  /* slot of a trial state from `from` that may be near (gh_rve_evaluate_near), or FARM_FRESH */
   int point; /* the first integration point that waits for it */
   double F[4];
 } farm_task;

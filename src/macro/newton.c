@@ -6,8 +6,9 @@
  * side: the out-of-balance forces of the increment, linearised at the last equilibrium; no packing is asked
  * for it.
  *
- * Every trial starts from the farm's converged state. m->now is the iterate and the farm's trial state
- * belongs to it. */
+ * Every trial starts from the farm's converged state, and its packings look for equilibrium there or, with
+ * friction, near that of the accepted iterate (gh_farm_keep). m->now is the iterate and the farm's trial
+ * state belongs to it. */
 #include "macro/internal.h"
 
 #include <float.h>
@@ -150,6 +151,7 @@ static gh_status try_step(gh_macro *m, gh_attempt *a, double s, double *residual
 
 static void accept(gh_macro *m, gh_attempt *a, double residual, double scale) {
   gh_state_swap(&m->now, &m->next);
+  gh_farm_keep(m->farm);
   double *swap = m->residual;
   m->residual = m->trial;
   m->trial = swap;

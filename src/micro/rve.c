@@ -57,6 +57,14 @@ void gh_rve_destroy(gh_rve **rve) {
   *rve = NULL;
 }
 
+static bool relaxes(const gh_rve_options *o) {
+  return o->boundary == GH_RESTRICTED || o->boundary == GH_PERIODIC;
+}
+
+bool gh_rve_has_branches(const gh_rve_options *o) {
+  return relaxes(o) && o->law.friction;
+}
+
 static gh_status check_options(gh_context *ctx, const gh_rve_options *o) {
   if (!(o->tolerance > 0) || !(o->tolerance < 1))
     return gh_fail(ctx, GH_INPUT, "the tolerance must lie between 0 and 1, not %g", o->tolerance);
@@ -122,7 +130,7 @@ gh_status gh_rve_create(gh_context *ctx, const gh_packing *packing, const gh_rve
   r->options = *options;
   r->options.max_steps = gh_rve_step_limit(options);
   gh_boundary b = options->boundary;
-  r->relaxes = b == GH_RESTRICTED || b == GH_PERIODIC;
+  r->relaxes = relaxes(options);
   r->turns = options->law.friction && !options->law.fixed_rotations;
   r->periodic = b == GH_TAYLOR_CELL || b == GH_PERIODIC;
   GH_TRY_OR(gh_packing_copy(ctx, packing, &r->packing), failed);
@@ -165,15 +173,35 @@ static gh_status begin_increment(gh_rve *r) {
   return GH_OK;
 }
 
-/* Grains are guessed to turn with the body: by the rotation of the increment's F Fn^-1. Where they slide,
+/* The state from which the search for equilibrium begins. */
+typedef struct beginning {
+  const double *F, *y, *theta;
+} beginning;
+
+/* Trial states are no farther than this from where they help, as a share of their own way. */
+static const double nearby = 0.1;
+
+static double apart(const double F[4], const double G[4]) {
+  return hypot(hypot(F[0] - G[0], F[1] - G[1]), hypot(F[2] - G[2], F[3] - G[3]));
+}
+
+/* The converged state, or the trial state that is near. */
+static beginning where_to_begin(const gh_rve *r, const double *near) {
+  const size_t n = (size_t)r->n;
+  if (near && r->relaxes && apart(r->F, near) <= nearby * apart(near, r->Fn))
+    return (beginning){.F = near, .y = near + 4, .theta = near + 4 + 2 * n};
+  return (beginning){.F = r->Fn, .y = r->yn, .theta = r->thetan};
+}
+
+/* Grains are guessed to turn with the body: by the rotation of F from where it begins. Where they slide,
  * there are many equilibria, and a guess that stays behind would end in one that a rigid rotation does not
  * have. */
-static void guess_rotations(gh_rve *r) {
+static void guess_rotations(gh_rve *r, const beginning *b) {
   double f[4], inverse[4];
-  gh_inv2(r->Fn, inverse);
+  gh_inv2(b->F, inverse);
   gh_mul2(r->F, inverse, f);
   double turn = r->turns ? atan2(f[2] - f[1], f[0] + f[3]) : 0;
-  for (int i = 0; i < r->n; i++) r->theta[i] = r->thetan[i] + turn;
+  for (int i = 0; i < r->n; i++) r->theta[i] = b->theta[i] + turn;
 }
 
 static gh_status advance_history(gh_rve *r) {
@@ -183,11 +211,12 @@ static gh_status advance_history(gh_rve *r) {
   return GH_OK;
 }
 
-static gh_status evaluate(gh_rve *r, unsigned want, double A[16]) {
+static gh_status evaluate(gh_rve *r, const double *near, unsigned want, double A[16]) {
+  const beginning b = where_to_begin(r, near);
   GH_TRY(begin_increment(r));
   for (int i = 0; i < r->n; i++)
-    gh_apply2(r->F, &r->yn[2 * i], &r->x[2 * i]); /* the affine guess keeps the fluctuations */
-  if (r->theta) guess_rotations(r);
+    gh_apply2(r->F, &b.y[2 * i], &r->x[2 * i]); /* the affine guess keeps the fluctuations */
+  if (r->theta) guess_rotations(r, &b);
   GH_TRY(gh_rve_equilibrate(r));
   if (r->relaxes) pull_back(r);
   if (gh_rve_solves(r)) GH_TRY(gh_rve_find_rattlers(r)); /* they serve the sums and the tangent */
@@ -197,7 +226,14 @@ static gh_status evaluate(gh_rve *r, unsigned want, double A[16]) {
   return gh_rve_friction(r) ? gh_rve_tangent_friction(r, A) : gh_rve_tangent(r, A);
 }
 
+static gh_status check_state(const gh_rve *r, const double *state, size_t size);
+
 gh_status gh_rve_evaluate(gh_rve *r, const double F[4], unsigned want, double P[4], double A[16]) {
+  return gh_rve_evaluate_near(r, F, NULL, 0, want, P, A);
+}
+
+gh_status gh_rve_evaluate_near(gh_rve *r, const double F[4], const double *near, size_t size, unsigned want,
+                               double P[4], double A[16]) {
   double start = gh_seconds();
   r->trial = false;
   if (!gh_finite(F, 4))
@@ -206,12 +242,13 @@ gh_status gh_rve_evaluate(gh_rve *r, const double F[4], unsigned want, double P[
     return gh_fail(r->ctx, GH_INPUT,
                    "F = [%g %g; %g %g] has the determinant %g; it must be positive and finite", F[0], F[1],
                    F[2], F[3], gh_det2(F));
+  if (near) GH_TRY(check_state(r, near, size));
   r->m = (gh_rve_measures){.acoustic = NAN, .acoustic_angle = NAN};
   memcpy(r->F, F, sizeof r->F);
   memcpy(r->m.F, F, sizeof r->m.F);
   gh_engine_cost before, after;
   gh_engine_costs(r->engine, &before);
-  GH_TRY(evaluate(r, want, A));
+  GH_TRY(evaluate(r, near, want, A));
   gh_engine_costs(r->engine, &after);
   r->m.pairs = after.pairs - before.pairs;
   memcpy(P, r->m.P, sizeof r->m.P);

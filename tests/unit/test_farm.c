@@ -114,6 +114,59 @@ static void sharing_and_pools_change_no_bit(void **state) {
   gh_packing_destroy(&p);
 }
 
+/* What is kept is where nearby evaluations begin, until it is reverted or committed: as by hand with one RVE,
+ * to the bit, with and without sharing, and with a pool of one. Without friction nothing is kept. */
+static void kept_states(void **state) {
+  gh_context *ctx = *state;
+  gh_packing *p = case_packing(ctx, "p50");
+  const gh_packing *packings[] = {p};
+  for (int kind = 0; kind < 4; kind++) {
+    const bool friction = kind > 0;
+    gh_rve_options o = law(GH_ENGINE_NATIVE, GH_PERIODIC, friction);
+    const gh_farm_setup setup = {
+        .n = 3, .npackings = 1, .packings = packings, .rve = o, .no_share = kind == 2, .resident = kind == 3};
+    const double first[4] = {0.97, 0.02, 0.01, 0.99}, then[4] = {0.9701, 0.0199, 0.01, 0.99};
+    double F[12], P[12], alone[4], again[4], cold[4], *near;
+    gh_farm *farm;
+    gh_rve *rve;
+    gh_farm_counts counts;
+    OK(gh_rve_create(ctx, p, &o, &rve));
+    OK(gh_rve_evaluate(rve, first, 0, alone, NULL));
+    OK(gh_alloc(ctx, gh_rve_trial_size(rve), sizeof *near, &near));
+    OK(gh_rve_save_trial(rve, near));
+    OK(gh_rve_evaluate_near(rve, then, near, gh_rve_trial_size(rve), 0, again, NULL));
+    OK(gh_rve_evaluate(rve, then, 0, cold, NULL));
+    assert_true(memcmp(again, cold, sizeof cold) != 0);
+    OK(gh_farm_create_shared(ctx, &setup, &farm));
+    gh_farm_keep(farm); /* nothing yet */
+    for (int k = 0; k < 3; k++) memcpy(F + 4 * k, first, sizeof first);
+    OK(gh_farm_evaluate(farm, F, 0, P, NULL));
+    gh_farm_keep(farm);
+    for (int k = 0; k < 3; k++) memcpy(F + 4 * k, then, sizeof then);
+    for (int twice = 0; twice < 2; twice++) { /* a trial that is not kept changes nothing */
+      OK(gh_farm_evaluate(farm, F, 0, P, NULL));
+      for (int k = 0; k < 3; k++) assert_memory_equal(P + 4 * k, friction ? again : cold, sizeof cold);
+    }
+    gh_farm_count(farm, &counts);
+    assert_int_equal(counts.computed, kind == 2 ? 9 : 3);
+    OK(gh_farm_revert(farm));
+    OK(gh_farm_evaluate(farm, F, 0, P, NULL));
+    assert_memory_equal(P + 4, cold, sizeof cold);
+    gh_farm_keep(farm);
+    OK(gh_farm_commit(farm));
+    OK(gh_rve_evaluate(rve, then, 0, cold, NULL));
+    OK(gh_rve_commit(rve));
+    OK(gh_rve_evaluate(rve, first, 0, cold, NULL));
+    for (int k = 0; k < 3; k++) memcpy(F + 4 * k, first, sizeof first);
+    OK(gh_farm_evaluate(farm, F, 0, P, NULL));
+    assert_memory_equal(P + 8, cold, sizeof cold);
+    free(near);
+    gh_farm_destroy(&farm);
+    gh_rve_destroy(&rve);
+  }
+  gh_packing_destroy(&p);
+}
+
 /* Each point answers as its packing does alone. */
 static void packings_per_point(void **state) {
   gh_context *ctx = *state;
@@ -345,8 +398,12 @@ static void balance_by_cost(void **state) {
 }
 
 int main(void) {
-  const struct CMUnitTest tests[] = {
-      TEST(sharing_and_pools_change_no_bit), TEST(packings_per_point),       TEST(an_image_goes_on),
-      TEST(failures_leave_the_states),       TEST(books_keep_every_history), TEST(balance_by_cost)};
+  const struct CMUnitTest tests[] = {TEST(sharing_and_pools_change_no_bit),
+                                     TEST(kept_states),
+                                     TEST(packings_per_point),
+                                     TEST(an_image_goes_on),
+                                     TEST(failures_leave_the_states),
+                                     TEST(books_keep_every_history),
+                                     TEST(balance_by_cost)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -451,6 +451,56 @@ static void ways_in_halves(void **state) {
   gh_packing_destroy(&p);
 }
 
+/* From a trial state that is near, the same equilibrium is found with hardly a step; from one that is not,
+ * and under Taylor's conditions, the converged state is the begin. What is committed counts from the
+ * converged state in all cases. */
+static void near_a_trial_state(void **state) {
+  gh_context *ctx = *state;
+  gh_packing *p = case_packing(ctx, "p50");
+  const double F[4] = {0.97, 0.02, 0.01, 0.99}, G[4] = {0.9701, 0.0199, 0.01, 0.99}, far[4] = {0.96, 0, 0, 1};
+  FOR_ENGINES(e) {
+    gh_rve_options o = rve_options(e, GH_PERIODIC, 100, 1e-10);
+    o.law = (gh_contact_law){
+        .normal_stiffness = 100, .friction = 1, .tangential_stiffness = 60, .friction_coefficient = 0.4};
+    gh_rve *rve, *taylor;
+    double P[4], Q[4], *near;
+    OK(gh_rve_create(ctx, p, &o, &rve));
+    o.boundary = GH_TAYLOR;
+    OK(gh_rve_create(ctx, p, &o, &taylor));
+    OK(gh_rve_evaluate(rve, G, 0, P, NULL));
+    const size_t size = gh_rve_trial_size(rve);
+    OK(gh_alloc(ctx, size, sizeof *near, &near));
+    OK(gh_rve_save_trial(rve, near));
+    OK(gh_rve_evaluate_near(rve, G, near, size, 0, Q, NULL));
+    assert_in_range(gh_rve_measure(rve)->steps, 1, 3);
+    for (int k = 0; k < 4; k++) NEAR("P where it was", Q[k], P[k], 1e-9);
+    OK(gh_rve_evaluate(rve, F, 0, P, NULL));
+    const long steps = gh_rve_measure(rve)->steps;
+    const double dissipation = gh_rve_measure(rve)->dissipation;
+    OK(gh_rve_evaluate_near(rve, F, near, size, 0, Q, NULL));
+    for (int k = 0; k < 4; k++) NEAR("P nearby", Q[k], P[k], 1e-8);
+    assert_in_range(gh_rve_measure(rve)->steps, 1, steps - 1);
+    NEAR("dissipation", gh_rve_measure(rve)->dissipation, dissipation, 1e-9);
+    OK(gh_rve_evaluate(rve, far, 0, P, NULL));
+    OK(gh_rve_evaluate_near(rve, far, near, size, 0, Q, NULL));
+    assert_memory_equal(P, Q, sizeof P);
+    FAILS(gh_rve_evaluate_near(rve, F, near, size - 1, 0, Q, NULL), GH_INPUT, "does not fit this packing");
+    OK(gh_rve_evaluate(taylor, G, 0, P, NULL));
+    double *own;
+    const size_t own_size = gh_rve_trial_size(taylor);
+    OK(gh_alloc(ctx, own_size, sizeof *own, &own));
+    OK(gh_rve_save_trial(taylor, own));
+    OK(gh_rve_evaluate(taylor, F, 0, P, NULL));
+    OK(gh_rve_evaluate_near(taylor, F, own, own_size, 0, Q, NULL));
+    assert_memory_equal(P, Q, sizeof P);
+    free(own);
+    free(near);
+    gh_rve_destroy(&rve);
+    gh_rve_destroy(&taylor);
+  }
+  gh_packing_destroy(&p);
+}
+
 /* What one sees of an RVE adds up to its stress: (1/V) sum f (x) F^-1 l over the contacts, positions and
  * flags in order. */
 static void looking_at_an_rve(void **state) {
@@ -622,6 +672,7 @@ int main(void) {
                                      TEST(ways_in_halves),
                                      TEST(balances),
                                      TEST(branches),
+                                     TEST(near_a_trial_state),
                                      TEST(looking_at_an_rve),
                                      TEST(a_farm_of_anything),
                                      TEST(a_farm_is_stopped),

@@ -422,7 +422,9 @@ void FixHistory::set_converged(const double H[4], const double *x, const double 
   }
   for (int i = 0; i < n; i++) at[i + 1] = at[i] + count[i];
   std::copy(at.begin(), at.end() - 1, first.begin());
-  pool.resize(at[n]);
+  const std::size_t records = static_cast<std::size_t>(at[n]);
+  if (records > pool.capacity()) pool.reserve(records + records / 8); /* a count that wavers grows once */
+  pool.resize(records);
   for (int c = 0; c < nslips; c++) { /* each grain has its own record; one on its own image has two */
     const gh_slip &s = slips[c];
     pool[at[local[s.i]]++] = {s.j + 1, {s.image[0], s.image[1]}, s.gamma, s.gamma_pl, s.alpha};
