@@ -69,13 +69,16 @@ typedef struct gh_relax_options {
   long max_steps;
   double floor; /* mean normal force at or below which the packing counts as unjammed (absolute) */
   gh_relaxation method;
+  double least_damping; /* over 1/dt, to begin with: what a relaxation that is gone on with had in the end; 0:
+                           anew. With friction and without FIRE, else nothing */
 } gh_relax_options;
 
 typedef struct gh_relax_result {
-  double residual;   /* reached; 0 when unjammed */
-  double mean_force; /* mean normal contact force */
-  long steps;        /* force evaluations spent */
-  bool converged;    /* residual <= tolerance, or unjammed */
+  double residual;      /* reached; 0 when unjammed */
+  double mean_force;    /* mean normal contact force */
+  long steps;           /* force evaluations spent */
+  bool converged;       /* residual <= tolerance, or unjammed */
+  double least_damping; /* at the end */
 } gh_relax_result;
 
 /* What an engine has counted since it was made; seconds of its parts.

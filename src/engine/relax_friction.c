@@ -346,7 +346,7 @@ static void leap(gh_relax_friction *s, const parts *w, double *mean_force) {
 
 /* Raises the least damping where the residual does not come down. */
 static void watch(gh_relax_watch *w, double residual) {
-  if (w->least == 0) *w = (gh_relax_watch){.record = INFINITY, .least = LEAST_DAMPING};
+  if (w->record == 0) *w = (gh_relax_watch){.record = INFINITY, .least = fmax(w->least, LEAST_DAMPING)};
   if (residual <= 0.5 * w->record) w->record = residual, w->waited = 0;
   else if (++w->waited == PATIENCE)
     *w = (gh_relax_watch){.record = residual, .least = fmin(2 * w->least, MOST_DAMPING)};

@@ -18,7 +18,8 @@ typedef struct gh_pair_memory {
   double gamma, gamma_pl, alpha;
 } gh_pair_memory;
 
-/* Whether the residual comes down; zero at the start, carried from list to list like `started`. */
+/* Whether the residual comes down; zero at the start, but for `least` where a relaxation is gone on with;
+ * carried from list to list like `started`. */
 typedef struct gh_relax_watch {
   double record; /* residual to come down to half of */
   long waited;   /* steps since then */

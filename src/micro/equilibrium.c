@@ -233,13 +233,14 @@ static gh_status leave_circle(gh_rve *r, double tolerance) {
  * they have come as near as their positions allow. */
 static gh_status relax(gh_rve *r, double tolerance, long *left) {
   const long portion = r->coupled ? 5000 : 50000;
-  double asked = tolerance, floor = r->floor;
+  double asked = tolerance, floor = r->floor, least = 0;
   for (;;) {
     double start = gh_seconds();
     gh_relax_options o = {.tolerance = asked,
                           .max_steps = *left < portion ? *left : portion,
                           .floor = floor,
-                          .method = r->options.relaxation};
+                          .method = r->options.relaxation,
+                          .least_damping = least};
     gh_relax_result result;
     GH_TRY(gh_engine_relax(r->engine, &o, &result));
     *left -= result.steps;
@@ -255,6 +256,7 @@ static gh_status relax(gh_rve *r, double tolerance, long *left) {
                      "no equilibrium within %ld relaxation steps at F = [%.6g %.6g; %.6g %.6g]: the largest "
                      "force is %.3g of the mean contact force, wanted %.3g",
                      r->m.steps, r->F[0], r->F[1], r->F[2], r->F[3], r->m.residual, tolerance);
+    least = result.converged ? 0 : result.least_damping; /* where it circles, more damping may end that */
     if (!result.converged) continue;
     asked *= 0.5 * fmin(1, tolerance / r->m.residual);
     floor *= 0.5;

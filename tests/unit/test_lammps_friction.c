@@ -166,7 +166,7 @@ static void no_memory(void **state) {
   other.law = s.law;
   memcpy(other.radius, s.radius, sizeof s.radius);
   other.nslips = 0;
-  const gh_relax_options o = {1e-6, 2000, 0, GH_RELAX_DAMPED};
+  const gh_relax_options o = {.tolerance = 1e-6, .max_steps = 2000, .method = GH_RELAX_DAMPED};
   gh_engine *fresh = make_engine(ctx, &s, GH_ENGINE_LAMMPS), *used = make_engine(ctx, &s, GH_ENGINE_LAMMPS);
   gh_relax_result r[2];
   gh_contact_list a, b;
@@ -211,6 +211,38 @@ static void case_sample(gh_context *ctx, const char *name, const double F[4], do
   gh_packing_destroy(&p);
 }
 
+/* Where the residual does not come down any more, the least damping is doubled every thousand steps, from
+ * list to list; a relaxation that is gone on with begins with what there was, and there is a largest. */
+static void damping_is_carried_on(void **state) {
+  gh_context *ctx = *state;
+  static sample s;
+  const double F[4] = {0.998, 0.002, 0, 0.999};
+  case_sample(ctx, "p20", F, false, 0.5, &s);
+  s.periodic = true;
+  for (int m = 0; m < ENGINES; m++) {
+    gh_engine *g = make_engine(ctx, &s, KINDS[m]);
+    gh_relax_options o = {.max_steps = 6000, .method = GH_RELAX_DAMPED}; /* no residual is 0 */
+    gh_relax_result first, then;
+    put(ctx, g, &s);
+    OK(gh_engine_relax(g, &o, &first));
+    assert_false(first.converged);
+    assert_true(first.least_damping >= 0.04 && first.least_damping <= 0.64);
+    assert_true(exp2(round(log2(first.least_damping / 0.01))) * 0.01 == first.least_damping);
+    o.least_damping = first.least_damping;
+    o.max_steps = 2500;
+    OK(gh_engine_relax(g, &o, &then));
+    assert_true(then.least_damping == fmin(1, 4 * first.least_damping));
+    o.least_damping = 0.7;
+    OK(gh_engine_relax(g, &o, &then));
+    assert_true(then.least_damping == 1);
+    o.max_steps = 5;
+    o.least_damping = 0;
+    OK(gh_engine_relax(g, &o, &then));
+    assert_true(then.least_damping == 0.01);
+    gh_engine_destroy(&g);
+  }
+}
+
 /* Both engines run the same kernel on the same pairs: as many steps, and the same equilibrium. The residual
  * is what the forces say. Held grains stay and turn. */
 static void relaxes_as_native(void **state) {
@@ -229,7 +261,8 @@ static void relaxes_as_native(void **state) {
     for (int m = 0; m < ENGINES; m++) {
       gh_engine *g = make_engine(ctx, &s, KINDS[m]);
       put(ctx, g, &s);
-      OK(gh_engine_relax(g, &(gh_relax_options){1e-11, 100000, 0, GH_RELAX_DAMPED}, &r[m]));
+      OK(gh_engine_relax(
+          g, &(gh_relax_options){.tolerance = 1e-11, .max_steps = 100000, .method = GH_RELAX_DAMPED}, &r[m]));
       assert_true(r[m].converged && r[m].residual <= 1e-11);
       OK(gh_engine_get(g, x[m], theta[m]));
       OK(gh_engine_contacts(g, &list));
@@ -733,6 +766,7 @@ int main(void) {
   const struct CMUnitTest tests[] = {TEST(same_as_native),
                                      TEST(no_memory),
                                      TEST(relaxes_as_native),
+                                     TEST(damping_is_carried_on),
                                      TEST(increments_by_hand),
                                      TEST(increments_by_time_step),
                                      TEST(opening),

@@ -457,10 +457,9 @@ static gh_status relax(bridge *e, const gh_relax_options *o, gh_relax_result *r)
   gh_lmp_relaxed end;
   GH_TRY(check_valid(e));
   e->valid = e->started = false;
-  GH_TRY(gh_lmp_relax(e->ctx, e->lmp, FIX, o->tolerance, o->floor, o->max_steps, o->method == GH_RELAX_FIRE,
-                      &end));
+  GH_TRY(gh_lmp_relax(e->ctx, e->lmp, FIX, o, &end));
   e->valid = e->started = e->relaxed = true;
-  *r = (gh_relax_result){end.residual, end.mean_force, end.steps, end.converged};
+  *r = (gh_relax_result){end.residual, end.mean_force, end.steps, end.converged, end.least_damping};
   e->cost.steps += r->steps;
   e->cost.pairs += end.pairs;
   return GH_OK;

@@ -39,9 +39,9 @@ enum { BOUND_EVERY = 32 }; /* steps between two bounds of the largest eigenvalue
 FixRelax::FixRelax(LAMMPS *l, int narg, char **arg)
     : Fix(l, narg, arg), tolerance(1e-8), floor_force(0), max_steps(LONG_MAX), inner(false), by_fire(false),
       driven(false), cluster(false), active(true), forced(false), pair(nullptr), coulomb(nullptr),
-      history(nullptr), turns(false), ended(RUNNING), fresh(true), damping(0), fire(), residual(0),
-      mean_force(0), steps(0), rebuilds(0), builds_at_start(0), evaluated(0), listed(0), listed_at(-1),
-      ended_at(-1), dt(0), vf(0), ff(0), vv(0), vf_before(0), compare(false) {
+      history(nullptr), turns(false), ended(RUNNING), fresh(true), damping(0), fire(), watched(),
+      first_least(0), residual(0), mean_force(0), steps(0), rebuilds(0), builds_at_start(0), evaluated(0),
+      listed(0), listed_at(-1), ended_at(-1), dt(0), vf(0), ff(0), vv(0), vf_before(0), compare(false) {
   parse(narg, arg);
   time_integrate = 1;
   vector_flag = 1;
@@ -135,6 +135,8 @@ void FixRelax::begin() {
   fresh = compare = false;
   steps = rebuilds = evaluated = 0;
   residual = mean_force = damping = vf = ff = vv = vf_before = 0;
+  watched = gh_relax_watch();
+  watched.least = first_least;
   builds_at_start = pair->builds;
   ended = RUNNING;
   ended_at = -1;
@@ -457,10 +459,12 @@ gh_relax_end FixRelax::kernel_with_friction(gh_relax_state *state) {
   s.law = &law;
   s.radius = R.data(), s.memory = memory.data(), s.theta_n = Tn.data();
   s.theta = T.data(), s.w = W.data(), s.m = M.data();
+  s.watch = watched;
   const gh_relax_end how = (by_fire ? gh_relax_friction_fire : gh_relax_friction_run)(
       &s, tolerance, floor_force, max_steps - steps, &residual, &mean_force, &steps);
   state->damping = s.grains.damping;
   state->fire = s.grains.fire;
+  watched = s.watch;
   for (std::size_t r = 0; turns && r < n; r++) {
     history->set_turn(order[r], T[r]);
     atom->omega[order[r]][2] = W[r];
@@ -615,12 +619,13 @@ void FixRelax::advance() {
   modify->final_integrate();
 }
 
-void FixRelax::tell(double *force, double *mean, long *done, long *seen, bool *reached) const {
-  *force = residual;
-  *mean = mean_force;
-  *done = steps;
-  *seen = evaluated;
-  *reached = ended == CONVERGED || ended == UNJAMMED;
+void FixRelax::tell(gh_lmp_relaxed *r) const {
+  r->residual = residual;
+  r->mean_force = mean_force;
+  r->steps = steps;
+  r->pairs = evaluated;
+  r->converged = ended == CONVERGED || ended == UNJAMMED;
+  r->least_damping = watched.least;
 }
 
 void FixRelax::set_cell(double lx, double ly, double xy) {
@@ -637,11 +642,12 @@ void FixRelax::rebuild_next() {
   next_reneighbor = update->ntimestep + 1;
 }
 
-void FixRelax::relax_next(double new_tolerance, double new_floor, long new_max_steps, bool with_fire) {
-  tolerance = new_tolerance;
-  floor_force = new_floor;
-  max_steps = new_max_steps;
-  by_fire = with_fire;
+void FixRelax::relax_next(const gh_relax_options &o) {
+  tolerance = o.tolerance;
+  floor_force = o.floor;
+  max_steps = o.max_steps;
+  by_fire = o.method == GH_RELAX_FIRE;
+  first_least = o.least_damping;
   active = fresh = true;
   ended = RUNNING;
 }

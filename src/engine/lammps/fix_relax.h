@@ -4,6 +4,7 @@
 #define GRANHOM_LAMMPS_FIX_RELAX_H
 
 #include "engine/lammps/c_mpi.h"
+#include "engine/lammps/guard.h"
 #include "engine/relax_fire.h"
 
 #include "fix.h"
@@ -44,7 +45,7 @@ public:
   void set_cell(double lx, double ly, double xy);
   void rebuild_next();
   /* The next steps relax, until finished(). */
-  void relax_next(double new_tolerance, double new_floor, long new_max_steps, bool with_fire);
+  void relax_next(const gh_relax_options &o);
   bool finished() const { return ended != RUNNING; }
   void idle() { active = false; }
   int group_bit() const { return groupbit; }
@@ -52,8 +53,8 @@ public:
   /* Pairs on LAMMPS's list as the kernel sees it: those that were within reach and skin when it was made,
    * each once. */
   long pairs_on_list();
-  /* Of the last relaxation; seen: pairs whose contact the kernel has evaluated, summed over its steps. */
-  void tell(double *force, double *mean, long *done, long *seen, bool *reached) const;
+  /* Of the last relaxation. */
+  void tell(gh_lmp_relaxed *r) const;
 
 private:
   enum state { RUNNING, CONVERGED, UNJAMMED, SPENT };
@@ -69,9 +70,11 @@ private:
   bool turns;           /* grains rotate */
 
   state ended;
-  bool fresh;     /* the next step begins a new relaxation */
-  double damping; /* of the kernel's last step, carried from list to list */
-  gh_fire fire;   /* the same, of FIRE */
+  bool fresh;             /* the next step begins a new relaxation */
+  double damping;         /* of the kernel's last step, carried from list to list */
+  gh_fire fire;           /* the same, of FIRE */
+  gh_relax_watch watched; /* the same, with friction */
+  double first_least;     /* least damping to begin with */
   double residual, mean_force;
   long steps, rebuilds, builds_at_start;
   long evaluated, listed, listed_at; /* pairs; listed: of the list number listed_at */

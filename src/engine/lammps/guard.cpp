@@ -310,13 +310,13 @@ gh_status gh_lmp_advance(gh_context *ctx, void *lmp, const char *id) {
   });
 }
 
-gh_status gh_lmp_relax(gh_context *ctx, void *lmp, const char *id, double tolerance, double floor,
-                       long max_steps, bool fire, gh_lmp_relaxed *r) {
+gh_status gh_lmp_relax(gh_context *ctx, void *lmp, const char *id, const gh_relax_options *o,
+                       gh_lmp_relaxed *r) {
   return with_fix(ctx, lmp, id, [&](granhom::FixRelax *fix) {
-    fix->relax_next(tolerance, floor, max_steps, fire);
+    fix->relax_next(*o);
     while (!fix->finished()) fix->advance();
     fix->idle();
-    fix->tell(&r->residual, &r->mean_force, &r->steps, &r->pairs, &r->converged);
+    fix->tell(r);
     return GH_OK;
   });
 }

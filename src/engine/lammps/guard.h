@@ -8,7 +8,7 @@
 #define GRANHOM_LAMMPS_GUARD_H
 
 #include "granhom/base.h"
-#include "granhom/contact.h"
+#include "granhom/engine.h"
 
 #ifdef __cplusplus
 extern "C" {
@@ -54,10 +54,11 @@ typedef struct gh_lmp_relaxed {
   double residual, mean_force;
   long steps, pairs; /* pairs: evaluated, summed over the steps */
   bool converged;    /* or unjammed */
+  double least_damping;
 } gh_lmp_relaxed;
-/* Relaxes until the residual is met, or the steps or all contacts are gone; with FIRE or damped. */
-gh_status gh_lmp_relax(gh_context *ctx, void *lmp, const char *id, double tolerance, double floor,
-                       long max_steps, bool fire, gh_lmp_relaxed *result);
+/* Relaxes until the residual is met, or the steps or all contacts are gone (gh_relax_options). */
+gh_status gh_lmp_relax(gh_context *ctx, void *lmp, const char *id, const gh_relax_options *options,
+                       gh_lmp_relaxed *result);
 /* ---- driving pair style granhom/coulomb, from the first run on; arrays by id - 1 ---- */
 
 /* State n: lattice H (columns), unwrapped positions (n x 2), rotations, and the history of the contacts with

@@ -163,7 +163,8 @@ static gh_status native_relax(void *self, const gh_relax_options *o, gh_relax_re
                          .theta_n = e->history.theta,
                          .theta = e->theta,
                          .w = e->w,
-                         .m = e->m};
+                         .m = e->m,
+                         .watch = {.least = o->least_damping}};
   *r = (gh_relax_result){0};
   gh_relax_end end = GH_RELAX_REBUILD;
   while (end == GH_RELAX_REBUILD && r->steps < o->max_steps) {
@@ -173,6 +174,7 @@ static gh_status native_relax(void *self, const gh_relax_options *o, gh_relax_re
     if (end == GH_RELAX_REBUILD) GH_TRY(find_pairs(e));
   }
   r->converged = end == GH_RELAX_CONVERGED || end == GH_RELAX_UNJAMMED;
+  r->least_damping = f.watch.least;
   e->cost.steps += r->steps;
   e->cost.relax_seconds += gh_seconds() - start;
   return GH_OK;
