@@ -275,7 +275,8 @@ static void no_contact(void **state) {
   gh_engine *e = open_engine(&p, GH_ENGINE_LAMMPS);
   OK(gh_engine_set(e, p.cell, p.x, NULL));
   gh_relax_result r;
-  OK(gh_engine_relax(e, &(gh_relax_options){1e-8, 1000, 0, GH_RELAX_DAMPED}, &r));
+  OK(gh_engine_relax(e, &(gh_relax_options){.tolerance = 1e-8, .max_steps = 1000, .method = GH_RELAX_DAMPED},
+                     &r));
   assert_true(r.converged);
   assert_near(r.residual, 0, 0);
   assert_near(r.mean_force, 0, 0);
@@ -367,7 +368,8 @@ static void relax_as_native(void **state) {
     gh_engine *e = open_engine(&p, k ? GH_ENGINE_NATIVE : GH_ENGINE_LAMMPS);
     c[k] = calloc(20 * (size_t)p.n, sizeof *c[k]);
     OK(gh_engine_set(e, p.cell, p.x, NULL));
-    OK(gh_engine_relax(e, &(gh_relax_options){1e-11, 100000, 0, GH_RELAX_DAMPED}, &r[k]));
+    OK(gh_engine_relax(
+        e, &(gh_relax_options){.tolerance = 1e-11, .max_steps = 100000, .method = GH_RELAX_DAMPED}, &r[k]));
     assert_true(r[k].converged && r[k].residual <= 1e-11);
     outcome o = contacts_of(e);
     double largest = 0;
@@ -404,7 +406,8 @@ static void cluster_relaxes_as_native(void **state) {
     gh_engine *e = open_engine(&p, k ? GH_ENGINE_NATIVE : GH_ENGINE_LAMMPS);
     c[k] = calloc(20 * (size_t)p.n, sizeof *c[k]);
     OK(gh_engine_set(e, NULL, p.x, NULL));
-    OK(gh_engine_relax(e, &(gh_relax_options){1e-11, 100000, 0, GH_RELAX_DAMPED}, &r[k]));
+    OK(gh_engine_relax(
+        e, &(gh_relax_options){.tolerance = 1e-11, .max_steps = 100000, .method = GH_RELAX_DAMPED}, &r[k]));
     assert_true(r[k].converged);
     OK(gh_engine_get(e, x, NULL));
     for (int i = 0; i < p.n; i++)
@@ -431,7 +434,7 @@ static void no_memory(void **state) {
   size_t bytes = 2 * (size_t)p.n * sizeof(double);
   double *x1 = malloc(bytes), *x2 = malloc(bytes);
   gh_engine *fresh = open_engine(&p, GH_ENGINE_LAMMPS), *used = open_engine(&p, GH_ENGINE_LAMMPS);
-  const gh_relax_options options = {1e-6, 100000, 0, GH_RELAX_DAMPED};
+  const gh_relax_options options = {.tolerance = 1e-6, .max_steps = 100000, .method = GH_RELAX_DAMPED};
   gh_relax_result r1, r2;
   packing other = read_p150();
   deform(&other, (double[4]){1.1, 0.9, -0.7, 1.2});
@@ -473,7 +476,8 @@ static void held_grains(void **state) {
   OK(gh_engine_get(e, x, NULL));
   assert_memory_equal(x, p.x, 2 * (size_t)p.n * sizeof *x);
   gh_relax_result r;
-  OK(gh_engine_relax(e, &(gh_relax_options){1e-9, 100000, 0, GH_RELAX_DAMPED}, &r));
+  OK(gh_engine_relax(
+      e, &(gh_relax_options){.tolerance = 1e-9, .max_steps = 100000, .method = GH_RELAX_DAMPED}, &r));
   assert_true(r.converged);
   OK(gh_engine_get(e, x, NULL));
   for (int i = 0; i < p.n; i++) {
@@ -521,12 +525,14 @@ static void out_of_steps(void **state) {
   gh_engine *e = open_engine(&p, GH_ENGINE_LAMMPS);
   gh_relax_result r;
   OK(gh_engine_set(e, p.cell, p.x, NULL));
-  OK(gh_engine_relax(e, &(gh_relax_options){1e-12, 17, 0, GH_RELAX_DAMPED}, &r));
+  OK(gh_engine_relax(e, &(gh_relax_options){.tolerance = 1e-12, .max_steps = 17, .method = GH_RELAX_DAMPED},
+                     &r));
   assert_false(r.converged);
   assert_int_equal(r.steps, 17);
   assert_true(r.residual > 1e-3);
   assert_sums(contacts_of(e), p.n, 1e-12);
-  OK(gh_engine_relax(e, &(gh_relax_options){1e-9, 100000, 0, GH_RELAX_DAMPED}, &r));
+  OK(gh_engine_relax(
+      e, &(gh_relax_options){.tolerance = 1e-9, .max_steps = 100000, .method = GH_RELAX_DAMPED}, &r));
   assert_true(r.converged);
   gh_engine_destroy(&e);
   drop(&p);
