@@ -344,12 +344,15 @@ static void leap(gh_relax_friction *s, const parts *w, double *mean_force) {
     if (spun[i] != 0) s->w[i] = 0;
 }
 
-/* Raises the least damping where the residual does not come down. */
+/* Raises the least damping where the residual does not come down; from the largest back to the first, because
+ * what flutters wants more of it, and a grain that creeps out between its last contacts less. */
 static void watch(gh_relax_watch *w, double residual) {
   if (w->record == 0) *w = (gh_relax_watch){.record = INFINITY, .least = fmax(w->least, LEAST_DAMPING)};
   if (residual <= 0.5 * w->record) w->record = residual, w->waited = 0;
   else if (++w->waited == PATIENCE)
-    *w = (gh_relax_watch){.record = residual, .least = fmin(2 * w->least, MOST_DAMPING)};
+    *w =
+        (gh_relax_watch){.record = residual,
+                         .least = w->least < MOST_DAMPING ? fmin(2 * w->least, MOST_DAMPING) : LEAST_DAMPING};
 }
 
 /* Nothing moves yet (4.41): what the velocities held before is not looked at. */

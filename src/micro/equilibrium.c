@@ -202,7 +202,7 @@ static bool polishes(const gh_rve *r) {
 }
 
 /* A residual from which relaxation that goes in circles may be helped on. */
-static const double near = 1e-3;
+static const double near = 1e-2;
 
 /* Forces with friction have no potential, and relaxation may circle around the equilibrium that it has found.
  * Newton goes there, as long as every step halves the residual; loose grains, which would make the matrix

@@ -212,7 +212,8 @@ static void case_sample(gh_context *ctx, const char *name, const double F[4], do
 }
 
 /* Where the residual does not come down any more, the least damping is doubled every thousand steps, from
- * list to list; a relaxation that is gone on with begins with what there was, and there is a largest. */
+ * list to list; a relaxation that is gone on with begins with what there was; behind the largest it is the
+ * first again. */
 static void damping_is_carried_on(void **state) {
   gh_context *ctx = *state;
   static sample s;
@@ -226,7 +227,7 @@ static void damping_is_carried_on(void **state) {
     put(ctx, g, &s);
     OK(gh_engine_relax(g, &o, &first));
     assert_false(first.converged);
-    assert_true(first.least_damping >= 0.04 && first.least_damping <= 0.64);
+    assert_true(first.least_damping >= 0.04 && first.least_damping <= 0.32);
     assert_true(exp2(round(log2(first.least_damping / 0.01))) * 0.01 == first.least_damping);
     o.least_damping = first.least_damping;
     o.max_steps = 2500;
@@ -234,7 +235,7 @@ static void damping_is_carried_on(void **state) {
     assert_true(then.least_damping == fmin(1, 4 * first.least_damping));
     o.least_damping = 0.7;
     OK(gh_engine_relax(g, &o, &then));
-    assert_true(then.least_damping == 1);
+    assert_true(then.least_damping == 0.01); /* 0.7, 1, 0.01 */
     o.max_steps = 5;
     o.least_damping = 0;
     OK(gh_engine_relax(g, &o, &then));
