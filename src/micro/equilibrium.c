@@ -206,10 +206,15 @@ static const double near = 1e-2;
 
 /* Forces with friction have no potential, and relaxation may circle around the equilibrium that it has found.
  * Newton goes there, as long as every step halves the residual; loose grains, which would make the matrix
- * singular or be thrown far, are held by more and more stiffness of their own. */
+ * singular or be thrown far, are held by more and more stiffness of their own. Where it does not come to the
+ * end, all is as it was: it may have gone back to an equilibrium that is unstable, which relaxation is just
+ * leaving. */
 static gh_status leave_circle(gh_rve *r, double tolerance) {
   static const double shifts[] = {0, 1e-9, 1e-6, 1e-4, 1e-2};
   GH_TRY(gh_engine_get(r->engine, r->x, r->theta));
+  memcpy(r->x0, r->x, 2 * (size_t)r->n * sizeof(double));
+  memcpy(r->theta0, r->theta, (size_t)r->n * sizeof(double));
+  bool moved = false;
   for (size_t k = 0; k < sizeof shifts / sizeof *shifts; k++) {
     for (bool falls = true; falls;) {
       double start = gh_seconds();
@@ -221,10 +226,13 @@ static gh_status leave_circle(gh_rve *r, double tolerance) {
       r->cost.factorise += gh_seconds() - start;
       if (!regular) break;
       GH_TRY(newton_step(r, 0.5, &falls));
+      moved = moved || falls;
       if (falls && r->m.residual <= tolerance) return GH_OK;
     }
   }
-  return GH_OK;
+  if (!moved) return GH_OK;
+  GH_TRY(gh_engine_move(r->engine, r->x0, r->theta0));
+  return gh_rve_look_at_contacts(r);
 }
 
 /* Relaxation by the engine until the residual as it is defined here is met: the engine sums in another order

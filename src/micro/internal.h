@@ -149,9 +149,10 @@ struct gh_rve {
   gh_slips history, trial_history; /* with friction */
   double dissipatedn, dissipated;  /* by friction since the begin, of both states */
   bool begun;                      /* the engine has the converged state */
-  double shift;     /* of the coupled stiffness in this evaluation: 0 until it has turned out singular */
-  double *x, *step; /* n x 2 work: positions in space of the last evaluation, and of a Newton step */
-  double *turn;     /* n work: rotations of a Newton step; NULL without friction */
+  double shift;        /* of the coupled stiffness in this evaluation: 0 until it has turned out singular */
+  double *x, *step;    /* n x 2 work: positions in space of the last evaluation, and of a Newton step */
+  double *turn;        /* n work: rotations of a Newton step; NULL without friction */
+  double *x0, *theta0; /* the same, where a way out of a circle began; NULL without friction */
   int *view_grain, *view_id;
   unsigned char *view_flags;
   gh_contact_list list; /* of the last evaluation, the engine's */

@@ -46,6 +46,8 @@ void gh_rve_destroy(gh_rve **rve) {
                           r->thetan,
                           r->theta,
                           r->turn,
+                          r->x0,
+                          r->theta0,
                           r->view_grain,
                           r->view_id,
                           r->view_flags,
@@ -106,10 +108,10 @@ static gh_status make_state(gh_rve *r) {
   memcpy(r->Fn, (double[4]){1, 0, 0, 1}, sizeof r->Fn);
   memcpy(r->F, r->Fn, sizeof r->F);
   if (!gh_rve_friction(r)) return GH_OK;
-  double **const turns[] = {&r->thetan, &r->theta, &r->turn};
+  double **const turns[] = {&r->thetan, &r->theta, &r->turn, &r->theta0};
   for (size_t k = 0; k < sizeof turns / sizeof *turns; k++)
     GH_TRY(gh_alloc(r->ctx, (size_t)r->n, sizeof(double), turns[k]));
-  return GH_OK;
+  return gh_alloc(r->ctx, n, sizeof(double), &r->x0);
 }
 
 static gh_status make_solver(gh_rve *r) {
