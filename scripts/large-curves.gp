@@ -31,14 +31,22 @@ unset multiplot
 set xrange [*:*]
 
 set output slope
-file = out . "/slope_taylor/history.csv"
+slopes = "slope_taylor slope_periodic_friction"
+slope_of(b) = out . "/" . word(slopes, b) . "/history.csv"
+there = int(system("test -e '" . slope_of(2) . "' && echo 2 || echo 1"))
+name_of(b) = b == 1 ? "Taylor" : "periodic, friction"
+# the footing under the weight alone: the last row of that step
+base(b) = real(system("awk -F, 'NR == 1 {for (k = 1; k <= NF; k++) c[$k] = k} $c[\"name\"] == \"gravity\" {u = $c[\"footing_uy_footing\"]} END {print u}' '" . slope_of(b) . "'"))
 set multiplot layout 1,2 margins 0.085,0.985,0.15,0.95 spacing 0.11,0.06
 set xlabel "load (MN)"
+set key top left Left reverse samplen 2
 set ylabel "settlement of the footing since the weight acts (m)"
-base = real(system("awk -F, 'NR == 1 {for (k = 1; k <= NF; k++) c[$k] = k} NR == 3 {print $c[\"footing_uy_footing\"]}' " . file))
-plot file using (column("step") < 1 ? NaN : -column("footing_fy_footing") / 1e6):(base - column("footing_uy_footing")) with linespoints lw 2 pt 7 ps 0.6 lc rgb color[1] notitle
+plot for [b=1:there] under = base(b) slope_of(b) using (strcol("name") eq "load" ? -column("footing_fy_footing") / 1e6 : NaN):(under - column("footing_uy_footing")) \
+  with linespoints lw 2 pt 7 ps 0.6 lc rgb color[b] title name_of(b)
+unset key
 set ylabel "turn of the footing towards the slope (degrees)"
-plot file using (column("step") < 1 ? NaN : -column("footing_fy_footing") / 1e6):(-column("footing_turn_footing") * 180 / pi) with linespoints lw 2 pt 7 ps 0.6 lc rgb color[2] notitle
+plot for [b=1:there] slope_of(b) using (strcol("name") eq "load" ? -column("footing_fy_footing") / 1e6 : NaN):(-column("footing_turn_footing") * 180 / pi) \
+  with linespoints lw 2 pt 7 ps 0.6 lc rgb color[b] notitle
 unset multiplot
 
 # packings: the pictures of granhom plot side by side

@@ -41,7 +41,7 @@ for name in $runs; do
 done
 
 figures=$root/docs/figures
-for name in biaxial_taylor biaxial_restricted biaxial_periodic slope_taylor; do
+for name in biaxial_taylor biaxial_restricted biaxial_periodic slope_taylor slope_periodic_friction; do
   [ -e "$out/$name/results.h5" ] || continue
   "$out/granhom" plot "$out/$name" >"$out/$name.plot.log"
   case $name in biaxial_periodic) ;; *) cp "$out/$name/mesh.png" "$figures/$(echo "$name" | tr _ -).png" ;; esac
