@@ -32,9 +32,7 @@ gh_rve_options gh_rve_defaults(void);
 /* The relaxation steps that these options allow: max_steps, or the default (friction relaxes in fewer). */
 long gh_rve_step_limit(const gh_rve_options *options);
 
-/* Whether a packing often has several equilibria close to each other at the same F: free grains with
- * friction.
- */
+/* Whether a packing often has several equilibria close to each other at one F: free grains with friction. */
 bool gh_rve_has_branches(const gh_rve_options *options);
 
 enum { GH_WANT_TANGENT = 1 };

@@ -283,16 +283,20 @@ static double rayleigh(const gh_relax_friction *s, const parts *w, double dt) {
   return down > 0 && up > 0 ? up / (dt * down) : 0;
 }
 
-/* Turns the spinning grains on by `leap` times their way `spun`; the power of their moments along it, over
- * the radius. It falls with the leap, because positions fix the normal forces, and the potential of the
- * rotations is convex then. */
-static double spin_on(gh_relax_friction *s, const parts *w, const double *spun, double leap,
-                      double *mean_force) {
+/* Power of the moments of the spinning grains along their way `spun`, over the radius. It falls with the
+ * leap, because positions fix the normal forces, and the potential of the rotations is convex then. */
+static double spin_power(const gh_relax_friction *s, const parts *w, const double *spun) {
   double power = 0;
-  for (int i = 0; i < s->grains.n; i++) s->theta[i] += leap * spun[i] / s->radius[i];
-  forces(s, w, mean_force);
   for (int i = 0; i < s->grains.n; i++) power -= w->couple[i] * spun[i];
   return power;
+}
+
+/* Turns the spinning grains on by `leap` times their way; the power there. */
+static double spin_on(gh_relax_friction *s, const parts *w, const double *spun, double leap,
+                      double *mean_force) {
+  for (int i = 0; i < s->grains.n; i++) s->theta[i] += leap * spun[i] / s->radius[i];
+  forces(s, w, mean_force);
+  return spin_power(s, w, spun);
 }
 
 /* The way of the grains that spin since `before`, in its place, zero for the others; returns the longest over
@@ -327,7 +331,7 @@ static void settle(gh_relax_friction *s, const parts *w, const double *spun, dou
 /* Leaps of the spinning grains to where the power of their moments ends, a radian at most; none where it ends
  * nearby. */
 static void leap(gh_relax_friction *s, const parts *w, double *mean_force) {
-  const double turn = find_spins(s, w), *spun = w->before, power = spin_on(s, w, spun, 0, mean_force);
+  const double turn = find_spins(s, w), *spun = w->before, power = spin_power(s, w, spun);
   double at = 0;
   if (!(power > 0)) return;
   for (double next = SPIN_LEAST; next * turn < 1; next *= 4) {

@@ -175,6 +175,31 @@ static gh_status begin_increment(gh_rve *r) {
   return GH_OK;
 }
 
+/* A state is F, positions y; and with friction rotations, the dissipation, the number of slips and the slips.
+ */
+enum { SLIP = 7 };
+
+static size_t state_size(const gh_rve *r, const gh_slips *h) {
+  size_t n = (size_t)r->n, basic = 4 + 2 * n;
+  return gh_rve_friction(r) ? basic + n + 2 + SLIP * (size_t)h->count : basic;
+}
+
+static gh_status check_state(const gh_rve *r, const double *state, size_t size) {
+  size_t n = (size_t)r->n, least = state_size(r, &(gh_slips){0}), slips = size - least;
+  bool fits = gh_rve_friction(r) ? size >= least && slips % SLIP == 0 : size == least;
+  if (!fits)
+    return gh_fail(r->ctx, GH_INPUT,
+                   "the state to load has %zu numbers, which does not fit this packing and its contact law",
+                   size);
+  if (!gh_finite(state, size) || !(gh_det2(state) > 0))
+    return gh_fail(r->ctx, GH_INPUT,
+                   "the state to load has a value that is not finite, or F with det F <= 0");
+  if (gh_rve_friction(r) && state[4 + 3 * n + 1] != (double)(slips / SLIP))
+    return gh_fail(r->ctx, GH_INPUT, "the state to load says %g contacts with history and has %zu",
+                   state[4 + 3 * n + 1], slips / SLIP);
+  return GH_OK;
+}
+
 /* The state from which the search for equilibrium begins. */
 typedef struct beginning {
   const double *F, *y, *theta;
@@ -227,8 +252,6 @@ static gh_status evaluate(gh_rve *r, const double *near, unsigned want, double A
   if (!(want & GH_WANT_TANGENT)) return GH_OK;
   return gh_rve_friction(r) ? gh_rve_tangent_friction(r, A) : gh_rve_tangent(r, A);
 }
-
-static gh_status check_state(const gh_rve *r, const double *state, size_t size);
 
 gh_status gh_rve_evaluate(gh_rve *r, const double F[4], unsigned want, double P[4], double A[16]) {
   return gh_rve_evaluate_near(r, F, NULL, 0, want, P, A);
@@ -304,15 +327,6 @@ void gh_rve_costs(const gh_rve *r, gh_rve_cost *cost) {
   cost->pairs = engine.pairs;
 }
 
-/* A state is F, positions y; and with friction rotations, the dissipation, the number of slips and the slips.
- */
-enum { SLIP = 7 };
-
-static size_t state_size(const gh_rve *r, const gh_slips *h) {
-  size_t n = (size_t)r->n, basic = 4 + 2 * n;
-  return gh_rve_friction(r) ? basic + n + 2 + SLIP * (size_t)h->count : basic;
-}
-
 static void save(const gh_rve *r, bool trial, double *state) {
   size_t n = (size_t)r->n;
   memcpy(state, trial ? r->F : r->Fn, 4 * sizeof *state);
@@ -346,22 +360,6 @@ gh_status gh_rve_save(const gh_rve *r, double *state) {
 
 gh_status gh_rve_save_trial(const gh_rve *r, double *state) {
   save(r, r->trial, state);
-  return GH_OK;
-}
-
-static gh_status check_state(const gh_rve *r, const double *state, size_t size) {
-  size_t n = (size_t)r->n, least = state_size(r, &(gh_slips){0}), slips = size - least;
-  bool fits = gh_rve_friction(r) ? size >= least && slips % SLIP == 0 : size == least;
-  if (!fits)
-    return gh_fail(r->ctx, GH_INPUT,
-                   "the state to load has %zu numbers, which does not fit this packing and its contact law",
-                   size);
-  if (!gh_finite(state, size) || !(gh_det2(state) > 0))
-    return gh_fail(r->ctx, GH_INPUT,
-                   "the state to load has a value that is not finite, or F with det F <= 0");
-  if (gh_rve_friction(r) && state[4 + 3 * n + 1] != (double)(slips / SLIP))
-    return gh_fail(r->ctx, GH_INPUT, "the state to load says %g contacts with history and has %zu",
-                   state[4 + 3 * n + 1], slips / SLIP);
   return GH_OK;
 }
 
