@@ -56,6 +56,7 @@ typedef struct gh_rve_measures {
   int contacts, rattlers;
   int sliding; /* contacts on the Coulomb limit */
   int factorisations;
+  int kept;        /* times that slip was kept on the way (method.md, Friction) */
   int polished;    /* the residual was reached by Newton polish */
   int unjammed;    /* no contact, or free grains without contact force: P = 0, A = 0 */
   int regularised; /* the tangent's matrix was not positive definite and was shifted */

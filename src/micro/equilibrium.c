@@ -235,17 +235,31 @@ static gh_status leave_circle(gh_rve *r, double tolerance) {
   return gh_rve_look_at_contacts(r);
 }
 
+/* Steps until relaxation without end is looked at. */
+static long portion(const gh_rve *r) {
+  enum { FIRST = 5000, WITHOUT_FRICTION = 50000, KEPT = 500 };
+  if (!r->coupled) return WITHOUT_FRICTION;
+  return r->m.kept && r->m.kept < FIRST / KEPT ? KEPT * r->m.kept : FIRST;
+}
+
+/* Without end: in circles, or slowly. What slip does in an increment depends on where it leads alone, so that
+ * a circle gives back what it has dissipated; grains in motion keep it. */
+static gh_status end_circle(gh_rve *r, double tolerance, bool goes_on) {
+  if (!r->m.kept && r->m.residual <= near && polishes(r)) GH_TRY(leave_circle(r, tolerance));
+  if (r->m.residual <= tolerance || !r->relaxes || !goes_on) return GH_OK;
+  return gh_rve_keep_slip(r);
+}
+
 /* Relaxation by the engine until the residual as it is defined here is met: the engine sums in another order
  * and leaves a grain's contacts with its own images out of the mean, so that it may have to be asked for a
  * little more. The engine knows nothing of round-off: packings that hardly touch are asked in between whether
  * they have come as near as their positions allow. */
 static gh_status relax(gh_rve *r, double tolerance, long *left) {
-  const long portion = r->coupled ? 5000 : 50000;
   double asked = tolerance, floor = r->floor, least = 0;
   for (;;) {
     double start = gh_seconds();
     gh_relax_options o = {.tolerance = asked,
-                          .max_steps = *left < portion ? *left : portion,
+                          .max_steps = *left < portion(r) ? *left : portion(r),
                           .floor = floor,
                           .method = r->options.relaxation,
                           .least_damping = least};
@@ -256,15 +270,14 @@ static gh_status relax(gh_rve *r, double tolerance, long *left) {
     r->cost.steps += result.steps;
     r->cost.relax += gh_seconds() - start;
     GH_TRY(gh_rve_look_at_contacts(r));
-    if (r->coupled && !result.converged && r->m.residual <= near && polishes(r))
-      GH_TRY(leave_circle(r, fmax(tolerance, target(r))));
+    if (r->coupled && !result.converged) GH_TRY(end_circle(r, fmax(tolerance, target(r)), *left > 0));
     if (r->m.residual <= fmax(tolerance, target(r))) return GH_OK;
     if (*left <= 0 || result.steps < 1)
       return gh_fail(r->ctx, GH_DIVERGED,
                      "no equilibrium within %ld relaxation steps at F = [%.6g %.6g; %.6g %.6g]: the largest "
                      "force is %.3g of the mean contact force, wanted %.3g",
                      r->m.steps, r->F[0], r->F[1], r->F[2], r->F[3], r->m.residual, tolerance);
-    least = result.converged ? 0 : result.least_damping; /* where it circles, more damping may end that */
+    least = result.converged || r->m.kept ? 0 : result.least_damping;
     if (!result.converged) continue;
     asked *= 0.5 * fmin(1, tolerance / r->m.residual);
     floor *= 0.5;

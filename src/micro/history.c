@@ -2,6 +2,8 @@
  * GPL-2.0-or-later */
 #include "micro/internal.h"
 
+#include <string.h>
+
 static int compare(const gh_slip *a, const gh_slip *b) {
   const int ka[4] = {a->i, a->j, a->image[1], a->image[0]}, kb[4] = {b->i, b->j, b->image[1], b->image[0]};
   for (int k = 0; k < 4; k++)
@@ -29,5 +31,86 @@ gh_status gh_slips_advance(gh_context *ctx, const gh_slips *from, const gh_conta
       o++;
     }
   }
+  return GH_OK;
+}
+
+void gh_slips_save(const gh_slips *h, double *to) {
+  for (int c = 0; c < h->count; c++) {
+    const gh_slip *q = &h->slips[c];
+    memcpy(to + GH_SLIP_NUMBERS * (size_t)c,
+           (double[GH_SLIP_NUMBERS]){q->i, q->j, q->image[0], q->image[1], q->gamma, q->gamma_pl, q->alpha},
+           GH_SLIP_NUMBERS * sizeof *to);
+  }
+}
+
+gh_status gh_slips_load(gh_context *ctx, const double *from, int count, gh_slips *h) {
+  GH_TRY(gh_grow(ctx, (size_t)count + 1, sizeof(gh_slip), &h->capacity, &h->slips));
+  h->count = 0;
+  for (const double *q = from; h->count < count; q += GH_SLIP_NUMBERS) {
+    for (int k = 0; k < 4; k++)
+      if (q[k] != nearbyint(q[k]) || fabs(q[k]) > 1e9)
+        return gh_fail(ctx, GH_INPUT, "the state to load has a contact whose key is not made of integers");
+    h->slips[h->count++] = (gh_slip){.i = (int)q[0],
+                                     .j = (int)q[1],
+                                     .image = {(int)q[2], (int)q[3]},
+                                     .gamma = q[4],
+                                     .gamma_pl = q[5],
+                                     .alpha = q[6]};
+  }
+  return GH_OK;
+}
+
+/* ---- what the engine counts slip from ---- */
+
+static gh_status begin(gh_rve *r, const double F[4], const double *y, const double *theta,
+                       const gh_slips *slips) {
+  gh_converged c = {.theta = theta, .slips = slips->slips, .nslips = slips->count, .x = r->step};
+  gh_mul2(F, r->packing->cell, c.cell);
+  for (int i = 0; i < r->n; i++) gh_apply2(F, &y[2 * i], &r->step[2 * i]);
+  return gh_engine_begin(r->engine, &c);
+}
+
+gh_status gh_rve_begin_increment(gh_rve *r) {
+  if (!gh_rve_friction(r) || r->begun) return GH_OK;
+  GH_TRY(begin(r, r->Fn, r->yn, r->thetan, &r->history));
+  r->begun = true;
+  return GH_OK;
+}
+
+gh_status gh_rve_go_on_from(gh_rve *r, const double F[4], const double *y, const double *theta,
+                            const double *slips, int nslips, double dissipated) {
+  r->begun = false;
+  GH_TRY(gh_slips_load(r->ctx, slips, nslips, &r->kept));
+  GH_TRY(begin(r, F, y, theta, &r->kept));
+  r->dissipated_kept = dissipated;
+  r->m.kept = 1;
+  return GH_OK;
+}
+
+gh_status gh_rve_keep_slip(gh_rve *r) {
+  const double start = gh_seconds();
+  double cell[4], *x = r->x;
+  r->begun = false;
+  GH_TRY(gh_slips_advance(r->ctx, gh_rve_history(r), &r->list, r->options.law.hardening > 0, &r->spare));
+  for (int c = 0; c < r->list.count; c++) r->dissipated_kept += r->list.friction[c].dissipated;
+  const gh_slips swap = r->kept;
+  r->kept = r->spare;
+  r->spare = swap;
+  r->m.kept++;
+  gh_mul2(r->F, r->packing->cell, cell);
+  GH_TRY(gh_engine_get(r->engine, x, r->theta));
+  gh_converged c = {.theta = r->theta, .slips = r->kept.slips, .nslips = r->kept.count, .x = x};
+  memcpy(c.cell, cell, sizeof cell);
+  GH_TRY(gh_engine_begin(r->engine, &c));
+  GH_TRY(gh_engine_set(r->engine, cell, x, r->theta));
+  r->cost.history += gh_seconds() - start;
+  return gh_rve_look_at_contacts(r);
+}
+
+gh_status gh_rve_advance_history(gh_rve *r) {
+  const double start = gh_seconds();
+  GH_TRY(
+      gh_slips_advance(r->ctx, gh_rve_history(r), &r->list, r->options.law.hardening > 0, &r->trial_history));
+  r->cost.history += gh_seconds() - start;
   return GH_OK;
 }

@@ -53,7 +53,9 @@ void gh_rve_destroy(gh_rve **rve) {
                           r->view_flags,
                           r->all_held,
                           r->history.slips,
-                          r->trial_history.slips};
+                          r->trial_history.slips,
+                          r->kept.slips,
+                          r->spare.slips};
   for (size_t k = 0; k < sizeof arrays / sizeof *arrays; k++) free(arrays[k]);
   free(r);
   *rve = NULL;
@@ -164,29 +166,26 @@ gh_status gh_rve_find_rattlers(gh_rve *r) {
   return GH_OK;
 }
 
-/* The engine gets the converged state once, and not again before it changes. */
-static gh_status begin_increment(gh_rve *r) {
-  if (!gh_rve_friction(r) || r->begun) return GH_OK;
-  gh_converged c = {.theta = r->thetan, .slips = r->history.slips, .nslips = r->history.count, .x = r->step};
-  gh_mul2(r->Fn, r->packing->cell, c.cell);
-  for (int i = 0; i < r->n; i++) gh_apply2(r->Fn, &r->yn[2 * i], &r->step[2 * i]);
-  GH_TRY(gh_engine_begin(r->engine, &c));
-  r->begun = true;
-  return GH_OK;
+/* A state is F and positions y; with friction more: rotations, numbers, slips. Of the numbers, `kept` says
+ * that a trial state's slip was kept on the way. */
+enum { DISSIPATED, KEPT, SLIPS, NUMBERS };
+
+static size_t basic_size(const gh_rve *r) {
+  return 4 + 2 * (size_t)r->n;
 }
 
-/* A state is F, positions y; and with friction rotations, the dissipation, the number of slips and the slips.
- */
-enum { SLIP = 7 };
+static const double *numbers_of(const gh_rve *r, const double *state) {
+  return state + basic_size(r) + r->n;
+}
 
-static size_t state_size(const gh_rve *r, const gh_slips *h) {
-  size_t n = (size_t)r->n, basic = 4 + 2 * n;
-  return gh_rve_friction(r) ? basic + n + 2 + SLIP * (size_t)h->count : basic;
+static size_t state_size(const gh_rve *r, int nslips) {
+  size_t size = basic_size(r);
+  return gh_rve_friction(r) ? size + (size_t)r->n + NUMBERS + GH_SLIP_NUMBERS * (size_t)nslips : size;
 }
 
 static gh_status check_state(const gh_rve *r, const double *state, size_t size) {
-  size_t n = (size_t)r->n, least = state_size(r, &(gh_slips){0}), slips = size - least;
-  bool fits = gh_rve_friction(r) ? size >= least && slips % SLIP == 0 : size == least;
+  size_t least = state_size(r, 0), slips = size - least;
+  bool fits = gh_rve_friction(r) ? size >= least && slips % GH_SLIP_NUMBERS == 0 : size == least;
   if (!fits)
     return gh_fail(r->ctx, GH_INPUT,
                    "the state to load has %zu numbers, which does not fit this packing and its contact law",
@@ -194,15 +193,17 @@ static gh_status check_state(const gh_rve *r, const double *state, size_t size) 
   if (!gh_finite(state, size) || !(gh_det2(state) > 0))
     return gh_fail(r->ctx, GH_INPUT,
                    "the state to load has a value that is not finite, or F with det F <= 0");
-  if (gh_rve_friction(r) && state[4 + 3 * n + 1] != (double)(slips / SLIP))
-    return gh_fail(r->ctx, GH_INPUT, "the state to load says %g contacts with history and has %zu",
-                   state[4 + 3 * n + 1], slips / SLIP);
+  const double said = gh_rve_friction(r) ? numbers_of(r, state)[SLIPS] : 0;
+  if (gh_rve_friction(r) && said != (double)(slips / GH_SLIP_NUMBERS))
+    return gh_fail(r->ctx, GH_INPUT, "the state to load says %g contacts with history and has %zu", said,
+                   slips / GH_SLIP_NUMBERS);
   return GH_OK;
 }
 
-/* The state from which the search for equilibrium begins. */
+/* The state from which the search for equilibrium begins; numbers: of a trial state whose slip goes on, else
+ * NULL. */
 typedef struct beginning {
-  const double *F, *y, *theta;
+  const double *F, *y, *theta, *numbers;
 } beginning;
 
 /* Trial states are no farther than this from where they help, as a share of their own way. */
@@ -214,10 +215,13 @@ static double apart(const double F[4], const double G[4]) {
 
 /* The converged state, or the trial state that is near. */
 static beginning where_to_begin(const gh_rve *r, const double *near) {
-  const size_t n = (size_t)r->n;
-  if (near && r->relaxes && apart(r->F, near) <= nearby * apart(near, r->Fn))
-    return (beginning){.F = near, .y = near + 4, .theta = near + 4 + 2 * n};
-  return (beginning){.F = r->Fn, .y = r->yn, .theta = r->thetan};
+  if (!near || !r->relaxes || apart(r->F, near) > nearby * apart(near, r->Fn))
+    return (beginning){.F = r->Fn, .y = r->yn, .theta = r->thetan};
+  const double *numbers = gh_rve_friction(r) ? numbers_of(r, near) : NULL;
+  return (beginning){.F = near,
+                     .y = near + 4,
+                     .theta = near + basic_size(r),
+                     .numbers = numbers && numbers[KEPT] > 0 ? numbers : NULL};
 }
 
 /* Grains are guessed to turn with the body: by the rotation of F from where it begins. Where they slide,
@@ -231,16 +235,16 @@ static void guess_rotations(gh_rve *r, const beginning *b) {
   for (int i = 0; i < r->n; i++) r->theta[i] = b->theta[i] + turn;
 }
 
-static gh_status advance_history(gh_rve *r) {
-  double start = gh_seconds();
-  GH_TRY(gh_slips_advance(r->ctx, &r->history, &r->list, r->options.law.hardening > 0, &r->trial_history));
-  r->cost.history += gh_seconds() - start;
-  return GH_OK;
+static gh_status begin(gh_rve *r, const beginning *b) {
+  r->dissipated_kept = r->dissipatedn;
+  if (!b->numbers) return gh_rve_begin_increment(r);
+  return gh_rve_go_on_from(r, b->F, b->y, b->theta, b->numbers + NUMBERS, (int)b->numbers[SLIPS],
+                           b->numbers[DISSIPATED]);
 }
 
 static gh_status evaluate(gh_rve *r, const double *near, unsigned want, double A[16]) {
   const beginning b = where_to_begin(r, near);
-  GH_TRY(begin_increment(r));
+  GH_TRY(begin(r, &b));
   for (int i = 0; i < r->n; i++)
     gh_apply2(r->F, &b.y[2 * i], &r->x[2 * i]); /* the affine guess keeps the fluctuations */
   if (r->theta) guess_rotations(r, &b);
@@ -248,7 +252,7 @@ static gh_status evaluate(gh_rve *r, const double *near, unsigned want, double A
   if (r->relaxes) pull_back(r);
   if (gh_rve_solves(r)) GH_TRY(gh_rve_find_rattlers(r)); /* they serve the sums and the tangent */
   GH_TRY(gh_rve_sums(r));
-  if (gh_rve_friction(r)) GH_TRY(advance_history(r));
+  if (gh_rve_friction(r)) GH_TRY(gh_rve_advance_history(r));
   if (!(want & GH_WANT_TANGENT)) return GH_OK;
   return gh_rve_friction(r) ? gh_rve_tangent_friction(r, A) : gh_rve_tangent(r, A);
 }
@@ -333,24 +337,20 @@ static void save(const gh_rve *r, bool trial, double *state) {
   memcpy(state + 4, trial ? r->y : r->yn, 2 * n * sizeof *state);
   if (!gh_rve_friction(r)) return;
   const gh_slips *h = trial ? &r->trial_history : &r->history;
-  double *more = state + 4 + 2 * n;
+  double *more = state + basic_size(r), *numbers = more + n;
   memcpy(more, trial ? r->theta : r->thetan, n * sizeof *state);
-  more[n] = trial ? r->dissipated : r->dissipatedn;
-  more[n + 1] = h->count;
-  for (int c = 0; c < h->count; c++) {
-    const gh_slip *q = &h->slips[c];
-    memcpy(more + n + 2 + SLIP * (size_t)c,
-           (double[SLIP]){q->i, q->j, q->image[0], q->image[1], q->gamma, q->gamma_pl, q->alpha},
-           SLIP * sizeof *state);
-  }
+  numbers[DISSIPATED] = trial ? r->dissipated : r->dissipatedn;
+  numbers[KEPT] = trial && r->m.kept;
+  numbers[SLIPS] = h->count;
+  gh_slips_save(h, numbers + NUMBERS);
 }
 
 size_t gh_rve_state_size(const gh_rve *r) {
-  return state_size(r, &r->history);
+  return state_size(r, r->history.count);
 }
 
 size_t gh_rve_trial_size(const gh_rve *r) {
-  return state_size(r, r->trial ? &r->trial_history : &r->history);
+  return state_size(r, r->trial ? r->trial_history.count : r->history.count);
 }
 
 gh_status gh_rve_save(const gh_rve *r, double *state) {
@@ -363,24 +363,6 @@ gh_status gh_rve_save_trial(const gh_rve *r, double *state) {
   return GH_OK;
 }
 
-static gh_status load_history(gh_rve *r, const double *from, int count) {
-  gh_slips *h = &r->history;
-  GH_TRY(gh_grow(r->ctx, (size_t)count + 1, sizeof(gh_slip), &h->capacity, &h->slips));
-  h->count = 0;
-  for (const double *q = from; h->count < count; q += SLIP) {
-    for (int k = 0; k < 4; k++)
-      if (q[k] != nearbyint(q[k]) || fabs(q[k]) > 1e9)
-        return gh_fail(r->ctx, GH_INPUT, "the state to load has a contact whose key is not made of integers");
-    h->slips[h->count++] = (gh_slip){.i = (int)q[0],
-                                     .j = (int)q[1],
-                                     .image = {(int)q[2], (int)q[3]},
-                                     .gamma = q[4],
-                                     .gamma_pl = q[5],
-                                     .alpha = q[6]};
-  }
-  return GH_OK;
-}
-
 gh_status gh_rve_load(gh_rve *r, const double *state, size_t size) {
   size_t n = (size_t)r->n;
   GH_TRY(check_state(r, state, size));
@@ -389,7 +371,8 @@ gh_status gh_rve_load(gh_rve *r, const double *state, size_t size) {
   memcpy(r->y, r->yn, 2 * n * sizeof(double)); /* where all grains follow F, no evaluation sets it */
   r->trial = r->begun = false;
   if (!gh_rve_friction(r)) return GH_OK;
-  memcpy(r->thetan, state + 4 + 2 * n, n * sizeof(double));
-  r->dissipatedn = state[4 + 3 * n];
-  return load_history(r, state + 4 + 3 * n + 2, (int)state[4 + 3 * n + 1]);
+  const double *numbers = numbers_of(r, state);
+  memcpy(r->thetan, state + basic_size(r), n * sizeof(double));
+  r->dissipatedn = numbers[DISSIPATED];
+  return gh_slips_load(r->ctx, numbers + NUMBERS, (int)numbers[SLIPS], &r->history);
 }

@@ -22,7 +22,7 @@ static gh_status friction_sums(gh_rve *r) {
     dissipated += t[c].dissipated;
     r->m.sliding += t[c].slides != 0;
   }
-  r->dissipated = r->dissipatedn + dissipated;
+  r->dissipated = r->dissipated_kept + dissipated;
   r->m.energy_t = r->m.unjammed ? 0 : energy / r->volume;
   r->m.dissipation = r->dissipated / r->volume;
   if (!isfinite(r->m.energy_t) || !isfinite(r->m.dissipation))

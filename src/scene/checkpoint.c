@@ -10,7 +10,7 @@
 #include <unistd.h>
 
 #define FILE_NAME "checkpoint.h5"
-#define FORMAT "granhom checkpoint 2"
+#define FORMAT "granhom checkpoint 3"
 
 enum { POSITION = 4, HEX = 17, WORDS = (sizeof(gh_run_summary) + 7) / 8 };
 

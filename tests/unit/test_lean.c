@@ -282,7 +282,7 @@ static void history_costs_its_contacts(void **state) {
   evaluate_once(ctx, &o, 0, &rve);
   int contacts = gh_rve_measure(rve)->contacts;
   assert_true(contacts > 50);
-  assert_int_equal(gh_rve_trial_size(rve), 4 + 2 * rve->n + rve->n + 2 + 7 * contacts);
+  assert_int_equal(gh_rve_trial_size(rve), 4 + 2 * rve->n + rve->n + 3 + 7 * contacts);
   gh_rve_destroy(&rve);
 }
 
