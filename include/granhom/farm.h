@@ -85,6 +85,7 @@ void gh_rve_cost_add(gh_rve_cost *sum, const gh_rve_cost *more); /* sum += more 
 typedef struct gh_farm_counts {
   long evaluations, steps, factorisations, pairs; /* of points: evaluations, relaxation steps,
                                                      factorisations, pair evaluations (gh_engine_cost) */
+  long kept;                                      /* evaluations in which slip was kept (gh_rve_measures) */
   long computed;                                  /* evaluations done, points that share counted once */
   long moved;                                     /* states that went from rank to rank */
   int ranks, states;                              /* now: ranks; different converged states */

@@ -263,6 +263,7 @@ static void spread(farm_shared *s, int end, double *P, double *A) {
     b->counts.steps += a->m.steps;
     b->counts.factorisations += a->m.factorisations;
     b->counts.pairs += a->m.pairs;
+    b->counts.kept += a->m.kept > 0;
   }
 }
 

@@ -281,6 +281,8 @@ void gh_summary_print(const gh_run_summary *m, const char *folder, gh_text *out)
         m->farm.ranks, m->farm.evaluations, m->farm.computed,
         100 * (1 - (double)m->farm.computed / (double)m->farm.evaluations), m->farm.moved, m->farm.states,
         m->points);
+  if (m->farm.kept > 0)
+    gh_text_print(out, "in %ld evaluations relaxation went in circles until slip was kept\n", m->farm.kept);
   if (m->farm.ranks > 1 && m->farm.longest > 0)
     gh_text_print(out,
                   "ranks were busy for %.0f %% of the time that the busiest one took in each evaluation\n",

@@ -148,6 +148,7 @@ static void add_summary(cJSON *root, const gh_run_summary *m) {
   number(farm, "ranks", m->farm.ranks);
   number(farm, "evaluations", (double)m->farm.evaluations);
   number(farm, "pair_evaluations", (double)m->farm.pairs);
+  number(farm, "slip_kept", (double)m->farm.kept);
   number(farm, "computed", (double)m->farm.computed);
   number(farm, "moved", (double)m->farm.moved);
   number(farm, "busy_seconds", m->farm.busy);
