@@ -208,6 +208,9 @@ static gh_status write_row(job *j, long step, const double A[16]) {
   }
   if (m->unjammed)
     gh_log(j->ctx, GH_LEVEL_INFO, "step %ld: unjammed, no contact carries a force: P = 0", step);
+  if (m->kept)
+    gh_log(j->ctx, GH_LEVEL_WARNING, "step %ld: relaxation went in circles; slip was kept %d times", step,
+           m->kept);
   if (m->regularised)
     gh_log(j->ctx, GH_LEVEL_WARNING, "step %ld: a mode without stiffness: the tangent is regularised", step);
   return j->dump ? write_frame(j, step) : GH_OK;
