@@ -87,30 +87,26 @@ gh_status gh_rve_go_on_from(gh_rve *r, const double F[4], const double *y, const
   return GH_OK;
 }
 
-gh_status gh_rve_keep_slip(gh_rve *r) {
-  const double start = gh_seconds();
-  double cell[4], *x = r->x;
-  r->begun = false;
-  GH_TRY(gh_slips_advance(r->ctx, gh_rve_history(r), &r->list, r->options.law.hardening > 0, &r->spare));
-  for (int c = 0; c < r->list.count; c++) r->dissipated_kept += r->list.friction[c].dissipated;
-  const gh_slips swap = r->kept;
-  r->kept = r->spare;
-  r->spare = swap;
-  r->m.kept++;
-  gh_mul2(r->F, r->packing->cell, cell);
-  GH_TRY(gh_engine_get(r->engine, x, r->theta));
-  gh_converged c = {.theta = r->theta, .slips = r->kept.slips, .nslips = r->kept.count, .x = x};
-  memcpy(c.cell, cell, sizeof cell);
-  GH_TRY(gh_engine_begin(r->engine, &c));
-  GH_TRY(gh_engine_set(r->engine, cell, x, r->theta));
-  r->cost.history += gh_seconds() - start;
-  return gh_rve_look_at_contacts(r);
-}
-
 gh_status gh_rve_advance_history(gh_rve *r) {
   const double start = gh_seconds();
   GH_TRY(
       gh_slips_advance(r->ctx, gh_rve_history(r), &r->list, r->options.law.hardening > 0, &r->trial_history));
   r->cost.history += gh_seconds() - start;
   return GH_OK;
+}
+
+gh_status gh_rve_keep_slip(gh_rve *r) {
+  r->begun = false;
+  GH_TRY(gh_rve_advance_history(r));
+  for (int c = 0; c < r->list.count; c++) r->dissipated_kept += r->list.friction[c].dissipated;
+  const gh_slips swap = r->kept;
+  r->kept = r->trial_history;
+  r->trial_history = swap;
+  r->m.kept++;
+  GH_TRY(gh_engine_get(r->engine, r->x, r->theta));
+  gh_converged c = {.theta = r->theta, .slips = r->kept.slips, .nslips = r->kept.count, .x = r->x};
+  gh_mul2(r->F, r->packing->cell, c.cell);
+  GH_TRY(gh_engine_begin(r->engine, &c));
+  GH_TRY(gh_engine_set(r->engine, c.cell, r->x, r->theta));
+  return gh_rve_look_at_contacts(r);
 }

@@ -147,7 +147,7 @@ struct gh_rve {
   bool trial;
   double *thetan, *theta;          /* n: rotations of both states; NULL without friction */
   gh_slips history, trial_history; /* with friction */
-  gh_slips kept, spare;            /* with friction: slip that was kept in this evaluation, and work */
+  gh_slips kept;                   /* with friction: slip that was kept in this evaluation */
   double dissipatedn, dissipated;  /* by friction since the begin, of both states */
   double dissipated_kept;          /* the same, until slip was kept last */
   bool begun;                      /* the engine has the converged state */

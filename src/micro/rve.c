@@ -54,8 +54,7 @@ void gh_rve_destroy(gh_rve **rve) {
                           r->all_held,
                           r->history.slips,
                           r->trial_history.slips,
-                          r->kept.slips,
-                          r->spare.slips};
+                          r->kept.slips};
   for (size_t k = 0; k < sizeof arrays / sizeof *arrays; k++) free(arrays[k]);
   free(r);
   *rve = NULL;
