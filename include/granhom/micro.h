@@ -84,8 +84,8 @@ gh_status gh_rve_evaluate(gh_rve *rve, const double F[4], unsigned want, double 
  * the search for equilibrium begins there if F is near to its F, that is, no farther than a tenth of the way
  * from the converged one to that. A packing that has several equilibria at nearly the same F then stays with
  * the one that it has, where a search from the converged state may come to another. The history of contacts
- * counts from the converged state, or from that trial state if slip was kept on the way to it. NULL, and
- * Taylor's conditions: as gh_rve_evaluate. GH_INPUT: the state does not fit. */
+ * counts from the converged state, or from where slip was kept last on the way to that trial state, so that
+ * its tangent holds. NULL, and Taylor's conditions: as gh_rve_evaluate. GH_INPUT: the state does not fit. */
 gh_status gh_rve_evaluate_near(gh_rve *rve, const double F[4], const double *near, size_t size, unsigned want,
                                double P[4], double A[16]);
 gh_status gh_rve_commit(

@@ -60,7 +60,7 @@ gh_status gh_slips_load(gh_context *ctx, const double *from, int count, gh_slips
   return GH_OK;
 }
 
-/* ---- what the engine counts slip from ---- */
+/* ---- what slip counts from ---- */
 
 static gh_status begin(gh_rve *r, const double F[4], const double *y, const double *theta,
                        const gh_slips *slips) {
@@ -77,36 +77,37 @@ gh_status gh_rve_begin_increment(gh_rve *r) {
   return GH_OK;
 }
 
-gh_status gh_rve_go_on_from(gh_rve *r, const double F[4], const double *y, const double *theta,
-                            const double *slips, int nslips, double dissipated) {
+gh_status gh_rve_go_on(gh_rve *r) {
+  const gh_kept *k = &r->kept;
   r->begun = false;
-  GH_TRY(gh_slips_load(r->ctx, slips, nslips, &r->kept));
-  GH_TRY(begin(r, F, y, theta, &r->kept));
-  r->dissipated_kept = dissipated;
-  r->m.kept = 1;
-  return GH_OK;
+  return begin(r, k->F, k->y, k->theta, &k->slips);
 }
 
 gh_status gh_rve_advance_history(gh_rve *r) {
   const double start = gh_seconds();
-  GH_TRY(
-      gh_slips_advance(r->ctx, gh_rve_history(r), &r->list, r->options.law.hardening > 0, &r->trial_history));
+  const gh_slips *from = r->m.kept ? &r->kept.slips : &r->history;
+  r->dissipated = r->m.kept ? r->kept.dissipated : r->dissipatedn;
+  for (int c = 0; c < r->list.count; c++) r->dissipated += r->list.friction[c].dissipated;
+  GH_TRY(gh_slips_advance(r->ctx, from, &r->list, r->options.law.hardening > 0, &r->trial_history));
   r->cost.history += gh_seconds() - start;
   return GH_OK;
 }
 
 gh_status gh_rve_keep_slip(gh_rve *r) {
-  r->begun = false;
+  gh_kept *k = &r->kept;
+  double inverse[4], cell[4];
   GH_TRY(gh_rve_advance_history(r));
-  for (int c = 0; c < r->list.count; c++) r->dissipated_kept += r->list.friction[c].dissipated;
-  const gh_slips swap = r->kept;
-  r->kept = r->trial_history;
+  const gh_slips swap = k->slips;
+  k->slips = r->trial_history;
   r->trial_history = swap;
+  k->dissipated = r->dissipated;
+  GH_TRY(gh_engine_get(r->engine, r->x, k->theta));
+  memcpy(k->F, r->F, sizeof k->F);
+  gh_inv2(r->F, inverse);
+  for (int i = 0; i < r->n; i++) gh_apply2(inverse, &r->x[2 * i], &k->y[2 * i]);
+  GH_TRY(gh_rve_go_on(r));
+  gh_mul2(r->F, r->packing->cell, cell);
+  GH_TRY(gh_engine_set(r->engine, cell, r->x, k->theta));
   r->m.kept++;
-  GH_TRY(gh_engine_get(r->engine, r->x, r->theta));
-  gh_converged c = {.theta = r->theta, .slips = r->kept.slips, .nslips = r->kept.count, .x = r->x};
-  gh_mul2(r->F, r->packing->cell, c.cell);
-  GH_TRY(gh_engine_begin(r->engine, &c));
-  GH_TRY(gh_engine_set(r->engine, c.cell, r->x, r->theta));
   return gh_rve_look_at_contacts(r);
 }

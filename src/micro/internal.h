@@ -121,6 +121,13 @@ gh_status gh_slips_advance(gh_context *ctx, const gh_slips *from, const gh_conta
 
 /* ---- the RVE ---- */
 
+/* A state that slip counts from and that is no converged one. */
+typedef struct gh_kept {
+  double F[4], *y, *theta; /* n x 2 positions F^-1 x, n rotations */
+  double dissipated;       /* by friction since the begin */
+  gh_slips slips;
+} gh_kept;
+
 struct gh_rve {
   gh_context *ctx;
   gh_rve_options options;
@@ -147,9 +154,8 @@ struct gh_rve {
   bool trial;
   double *thetan, *theta;          /* n: rotations of both states; NULL without friction */
   gh_slips history, trial_history; /* with friction */
-  gh_slips kept;                   /* with friction: slip that was kept in this evaluation */
+  gh_kept kept;                    /* with friction: state whose slip was kept last in this evaluation */
   double dissipatedn, dissipated;  /* by friction since the begin, of both states */
-  double dissipated_kept;          /* the same, until slip was kept last */
   bool begun;                      /* the engine has the converged state */
   double shift;        /* of the coupled stiffness in this evaluation: 0 until it has turned out singular */
   double *x, *step;    /* n x 2 work: positions in space of the last evaluation, and of a Newton step */
@@ -162,20 +168,14 @@ struct gh_rve {
   gh_rve_cost cost;
 };
 
-/* The history that slip counts from in this evaluation: of the converged state, or as it was kept last. */
-static inline const gh_slips *gh_rve_history(const gh_rve *r) {
-  return r->m.kept ? &r->kept : &r->history;
-}
 /* Gives the converged state to the engine, once, and not again before it changes. */
 gh_status gh_rve_begin_increment(gh_rve *rve);
 /* Slip goes on from the contacts at hand, in equilibrium or not, as it does in each time step of a direct
- * simulation (method.md, Friction). */
+ * simulation (method.md, Circles). */
 gh_status gh_rve_keep_slip(gh_rve *rve);
-/* Slip goes on from a state that is no converged one: F, positions y, rotations, slips as they are saved, and
- * what friction has dissipated there. */
-gh_status gh_rve_go_on_from(gh_rve *rve, const double F[4], const double *y, const double *theta,
-                            const double *slips, int nslips, double dissipated);
-/* The trial state's history. */
+/* Slip goes on from rve->kept as it is. */
+gh_status gh_rve_go_on(gh_rve *rve);
+/* The trial state's history and dissipation, from the contacts at hand. */
 gh_status gh_rve_advance_history(gh_rve *rve);
 /* Slips as a row of numbers. GH_INPUT: a key that is not made of integers. */
 enum { GH_SLIP_NUMBERS = 7 };

@@ -2,6 +2,7 @@
  * GPL-2.0-or-later */
 #include "micro/internal.h"
 
+#include <limits.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -54,7 +55,9 @@ void gh_rve_destroy(gh_rve **rve) {
                           r->all_held,
                           r->history.slips,
                           r->trial_history.slips,
-                          r->kept.slips};
+                          r->kept.y,
+                          r->kept.theta,
+                          r->kept.slips.slips};
   for (size_t k = 0; k < sizeof arrays / sizeof *arrays; k++) free(arrays[k]);
   free(r);
   *rve = NULL;
@@ -109,10 +112,13 @@ static gh_status make_state(gh_rve *r) {
   memcpy(r->Fn, (double[4]){1, 0, 0, 1}, sizeof r->Fn);
   memcpy(r->F, r->Fn, sizeof r->F);
   if (!gh_rve_friction(r)) return GH_OK;
-  double **const turns[] = {&r->thetan, &r->theta, &r->turn, &r->theta0};
+  double **const turns[] = {&r->thetan, &r->theta, &r->turn, &r->theta0, &r->kept.theta},
+                 **const places[] = {&r->x0, &r->kept.y};
   for (size_t k = 0; k < sizeof turns / sizeof *turns; k++)
     GH_TRY(gh_alloc(r->ctx, (size_t)r->n, sizeof(double), turns[k]));
-  return gh_alloc(r->ctx, n, sizeof(double), &r->x0);
+  for (size_t k = 0; k < sizeof places / sizeof *places; k++)
+    GH_TRY(gh_alloc(r->ctx, n, sizeof(double), places[k]));
+  return GH_OK;
 }
 
 static gh_status make_solver(gh_rve *r) {
@@ -165,44 +171,66 @@ gh_status gh_rve_find_rattlers(gh_rve *r) {
   return GH_OK;
 }
 
-/* A state is F and positions y; with friction more: rotations, numbers, slips. Of the numbers, `kept` says
- * that a trial state's slip was kept on the way. */
+/* A state is F and positions y; with friction more: rotations, numbers, slips. A trial state whose slip was
+ * kept on the way says so among the numbers, and behind it stands the state that its slip counts from. */
 enum { DISSIPATED, KEPT, SLIPS, NUMBERS };
 
-static size_t basic_size(const gh_rve *r) {
-  return 4 + 2 * (size_t)r->n;
-}
-
-static const double *numbers_of(const gh_rve *r, const double *state) {
-  return state + basic_size(r) + r->n;
-}
-
 static size_t state_size(const gh_rve *r, int nslips) {
-  size_t size = basic_size(r);
-  return gh_rve_friction(r) ? size + (size_t)r->n + NUMBERS + GH_SLIP_NUMBERS * (size_t)nslips : size;
+  const size_t n = (size_t)r->n, basic = 4 + 2 * n;
+  return gh_rve_friction(r) ? basic + n + NUMBERS + GH_SLIP_NUMBERS * (size_t)nslips : basic;
 }
 
-static gh_status check_state(const gh_rve *r, const double *state, size_t size) {
-  size_t least = state_size(r, 0), slips = size - least;
-  bool fits = gh_rve_friction(r) ? size >= least && slips % GH_SLIP_NUMBERS == 0 : size == least;
-  if (!fits)
-    return gh_fail(r->ctx, GH_INPUT,
-                   "the state to load has %zu numbers, which does not fit this packing and its contact law",
-                   size);
+/* The parts of a state, in its place; without friction there are no more than two. */
+typedef struct parts {
+  const double *F, *y, *theta, *numbers, *slips;
+  int nslips;
+  const double *end;
+} parts;
+
+static parts divide(const gh_rve *r, const double *state) {
+  const size_t n = (size_t)r->n;
+  parts p = {.F = state, .y = state + 4, .end = state + 4 + 2 * n};
+  if (!gh_rve_friction(r)) return p;
+  p.theta = p.end, p.numbers = p.theta + n, p.slips = p.numbers + NUMBERS;
+  p.nslips = (int)p.numbers[SLIPS];
+  p.end = p.slips + GH_SLIP_NUMBERS * (size_t)p.nslips;
+  return p;
+}
+
+/* Whether another state stands behind it. */
+static bool keeps(const gh_rve *r, const double *state) {
+  return gh_rve_friction(r) && divide(r, state).numbers[KEPT] > 0;
+}
+
+/* One state of at most `size` numbers, and how many it has by what it says itself: more, if it is cut off. */
+static gh_status check_parts(const gh_rve *r, const double *state, size_t size, size_t *used) {
+  *used = state_size(r, 0);
+  if (size < *used) return GH_OK;
   if (!gh_finite(state, size) || !(gh_det2(state) > 0))
     return gh_fail(r->ctx, GH_INPUT,
                    "the state to load has a value that is not finite, or F with det F <= 0");
-  const double said = gh_rve_friction(r) ? numbers_of(r, state)[SLIPS] : 0;
-  if (gh_rve_friction(r) && said != (double)(slips / GH_SLIP_NUMBERS))
-    return gh_fail(r->ctx, GH_INPUT, "the state to load says %g contacts with history and has %zu", said,
-                   slips / GH_SLIP_NUMBERS);
+  if (!gh_rve_friction(r)) return GH_OK;
+  const double slips = state[*used - NUMBERS + SLIPS];
+  if (!(slips >= 0) || slips > INT_MAX || slips != nearbyint(slips))
+    return gh_fail(r->ctx, GH_INPUT, "the state to load says that %g contacts have a history", slips);
+  *used = state_size(r, (int)slips);
   return GH_OK;
 }
 
-/* The state from which the search for equilibrium begins; numbers: of a trial state whose slip goes on, else
- * NULL. */
+static gh_status check_state(const gh_rve *r, const double *state, size_t size) {
+  size_t used, more = 0;
+  GH_TRY(check_parts(r, state, size, &used));
+  if (used < size && keeps(r, state)) GH_TRY(check_parts(r, state + used, size - used, &more));
+  if (used + more == size) return GH_OK;
+  return gh_fail(r->ctx, GH_INPUT,
+                 "the state to load has %zu numbers, which does not fit this packing and its contact law",
+                 size);
+}
+
+/* The state from which the search for equilibrium begins. Where it is one whose slip was kept, r->kept is
+ * what its slip counts from. */
 typedef struct beginning {
-  const double *F, *y, *theta, *numbers;
+  const double *F, *y, *theta;
 } beginning;
 
 /* Trial states are no farther than this from where they help, as a share of their own way. */
@@ -212,15 +240,27 @@ static double apart(const double F[4], const double G[4]) {
   return hypot(hypot(F[0] - G[0], F[1] - G[1]), hypot(F[2] - G[2], F[3] - G[3]));
 }
 
-/* The converged state, or the trial state that is near. */
-static beginning where_to_begin(const gh_rve *r, const double *near) {
+static gh_status take_kept(gh_rve *r, const double *state) {
+  const parts p = divide(r, state);
+  const size_t n = (size_t)r->n;
+  gh_kept *k = &r->kept;
+  memcpy(k->F, p.F, sizeof k->F);
+  memcpy(k->y, p.y, 2 * n * sizeof(double));
+  memcpy(k->theta, p.theta, n * sizeof(double));
+  k->dissipated = p.numbers[DISSIPATED];
+  r->m.kept = 1;
+  GH_TRY(gh_slips_load(r->ctx, p.slips, p.nslips, &k->slips));
+  return gh_rve_go_on(r);
+}
+
+/* From the converged state, or from the trial state that is near. */
+static gh_status begin(gh_rve *r, const double *near, beginning *b) {
+  *b = (beginning){.F = r->Fn, .y = r->yn, .theta = r->thetan};
   if (!near || !r->relaxes || apart(r->F, near) > nearby * apart(near, r->Fn))
-    return (beginning){.F = r->Fn, .y = r->yn, .theta = r->thetan};
-  const double *numbers = gh_rve_friction(r) ? numbers_of(r, near) : NULL;
-  return (beginning){.F = near,
-                     .y = near + 4,
-                     .theta = near + basic_size(r),
-                     .numbers = numbers && numbers[KEPT] > 0 ? numbers : NULL};
+    return gh_rve_begin_increment(r);
+  const parts p = divide(r, near);
+  *b = (beginning){.F = p.F, .y = p.y, .theta = p.theta};
+  return keeps(r, near) ? take_kept(r, p.end) : gh_rve_begin_increment(r);
 }
 
 /* Grains are guessed to turn with the body: by the rotation of F from where it begins. Where they slide,
@@ -234,24 +274,17 @@ static void guess_rotations(gh_rve *r, const beginning *b) {
   for (int i = 0; i < r->n; i++) r->theta[i] = b->theta[i] + turn;
 }
 
-static gh_status begin(gh_rve *r, const beginning *b) {
-  r->dissipated_kept = r->dissipatedn;
-  if (!b->numbers) return gh_rve_begin_increment(r);
-  return gh_rve_go_on_from(r, b->F, b->y, b->theta, b->numbers + NUMBERS, (int)b->numbers[SLIPS],
-                           b->numbers[DISSIPATED]);
-}
-
 static gh_status evaluate(gh_rve *r, const double *near, unsigned want, double A[16]) {
-  const beginning b = where_to_begin(r, near);
-  GH_TRY(begin(r, &b));
+  beginning b;
+  GH_TRY(begin(r, near, &b));
   for (int i = 0; i < r->n; i++)
     gh_apply2(r->F, &b.y[2 * i], &r->x[2 * i]); /* the affine guess keeps the fluctuations */
   if (r->theta) guess_rotations(r, &b);
   GH_TRY(gh_rve_equilibrate(r));
   if (r->relaxes) pull_back(r);
   if (gh_rve_solves(r)) GH_TRY(gh_rve_find_rattlers(r)); /* they serve the sums and the tangent */
-  GH_TRY(gh_rve_sums(r));
   if (gh_rve_friction(r)) GH_TRY(gh_rve_advance_history(r));
+  GH_TRY(gh_rve_sums(r));
   if (!(want & GH_WANT_TANGENT)) return GH_OK;
   return gh_rve_friction(r) ? gh_rve_tangent_friction(r, A) : gh_rve_tangent(r, A);
 }
@@ -330,18 +363,37 @@ void gh_rve_costs(const gh_rve *r, gh_rve_cost *cost) {
   cost->pairs = engine.pairs;
 }
 
-static void save(const gh_rve *r, bool trial, double *state) {
-  size_t n = (size_t)r->n;
-  memcpy(state, trial ? r->F : r->Fn, 4 * sizeof *state);
-  memcpy(state + 4, trial ? r->y : r->yn, 2 * n * sizeof *state);
-  if (!gh_rve_friction(r)) return;
-  const gh_slips *h = trial ? &r->trial_history : &r->history;
-  double *more = state + basic_size(r), *numbers = more + n;
-  memcpy(more, trial ? r->theta : r->thetan, n * sizeof *state);
-  numbers[DISSIPATED] = trial ? r->dissipated : r->dissipatedn;
-  numbers[KEPT] = trial && r->m.kept;
-  numbers[SLIPS] = h->count;
-  gh_slips_save(h, numbers + NUMBERS);
+/* Writes a state; returns its end. */
+static double *put(const gh_rve *r, const beginning *b, double dissipated, bool kept, const gh_slips *h,
+                   double *to) {
+  const size_t n = (size_t)r->n;
+  memcpy(to, b->F, 4 * sizeof *to);
+  memcpy(to + 4, b->y, 2 * n * sizeof *to);
+  to += 4 + 2 * n;
+  if (!gh_rve_friction(r)) return to;
+  memcpy(to, b->theta, n * sizeof *to);
+  to += n;
+  to[DISSIPATED] = dissipated;
+  to[KEPT] = kept;
+  to[SLIPS] = h->count;
+  gh_slips_save(h, to + NUMBERS);
+  return to + NUMBERS + GH_SLIP_NUMBERS * (size_t)h->count;
+}
+
+gh_status gh_rve_save(const gh_rve *r, double *state) {
+  const beginning b = {.F = r->Fn, .y = r->yn, .theta = r->thetan};
+  put(r, &b, r->dissipatedn, false, &r->history, state);
+  return GH_OK;
+}
+
+gh_status gh_rve_save_trial(const gh_rve *r, double *state) {
+  if (!r->trial) return gh_rve_save(r, state);
+  const gh_kept *k = &r->kept;
+  const beginning b = {.F = r->F, .y = r->y, .theta = r->theta},
+                  base = {.F = k->F, .y = k->y, .theta = k->theta};
+  double *end = put(r, &b, r->dissipated, r->m.kept > 0, &r->trial_history, state);
+  if (r->m.kept) put(r, &base, k->dissipated, false, &k->slips, end);
+  return GH_OK;
 }
 
 size_t gh_rve_state_size(const gh_rve *r) {
@@ -349,29 +401,20 @@ size_t gh_rve_state_size(const gh_rve *r) {
 }
 
 size_t gh_rve_trial_size(const gh_rve *r) {
-  return state_size(r, r->trial ? r->trial_history.count : r->history.count);
-}
-
-gh_status gh_rve_save(const gh_rve *r, double *state) {
-  save(r, false, state);
-  return GH_OK;
-}
-
-gh_status gh_rve_save_trial(const gh_rve *r, double *state) {
-  save(r, r->trial, state);
-  return GH_OK;
+  if (!r->trial) return gh_rve_state_size(r);
+  return state_size(r, r->trial_history.count) + (r->m.kept ? state_size(r, r->kept.slips.count) : 0);
 }
 
 gh_status gh_rve_load(gh_rve *r, const double *state, size_t size) {
-  size_t n = (size_t)r->n;
+  const size_t n = (size_t)r->n;
   GH_TRY(check_state(r, state, size));
-  memcpy(r->Fn, state, sizeof r->Fn);
-  memcpy(r->yn, state + 4, 2 * n * sizeof(double));
-  memcpy(r->y, r->yn, 2 * n * sizeof(double)); /* where all grains follow F, no evaluation sets it */
+  const parts p = divide(r, state);
+  memcpy(r->Fn, p.F, sizeof r->Fn);
+  memcpy(r->yn, p.y, 2 * n * sizeof(double));
+  memcpy(r->y, p.y, 2 * n * sizeof(double)); /* where all grains follow F, no evaluation sets it */
   r->trial = r->begun = false;
   if (!gh_rve_friction(r)) return GH_OK;
-  const double *numbers = numbers_of(r, state);
-  memcpy(r->thetan, state + basic_size(r), n * sizeof(double));
-  r->dissipatedn = numbers[DISSIPATED];
-  return gh_slips_load(r->ctx, numbers + NUMBERS, (int)numbers[SLIPS], &r->history);
+  memcpy(r->thetan, p.theta, n * sizeof(double));
+  r->dissipatedn = p.numbers[DISSIPATED];
+  return gh_slips_load(r->ctx, p.slips, p.nslips, &r->history);
 }

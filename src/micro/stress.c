@@ -15,14 +15,12 @@ static double grain_area(const gh_rve *r) {
 /* Energy, dissipation and the number of sliding contacts. */
 static gh_status friction_sums(gh_rve *r) {
   if (!gh_rve_friction(r)) return GH_OK;
-  double energy = 0, dissipated = 0;
+  double energy = 0;
   const gh_friction *t = r->list.friction;
   for (int c = 0; c < r->list.count; c++) {
     energy += t[c].energy;
-    dissipated += t[c].dissipated;
     r->m.sliding += t[c].slides != 0;
   }
-  r->dissipated = r->dissipated_kept + dissipated;
   r->m.energy_t = r->m.unjammed ? 0 : energy / r->volume;
   r->m.dissipation = r->dissipated / r->volume;
   if (!isfinite(r->m.energy_t) || !isfinite(r->m.dissipation))

@@ -502,20 +502,18 @@ static void near_a_trial_state(void **state) {
 }
 
 /* Shear of 20 grains until relaxation goes round in a circle: it comes to rest once its slip is kept, the
- * same each time. A trial nearby goes on from there, and the tangent is its derivative. Committed, it is a
- * state like others. */
+ * same each time. A trial nearby counts slip from there, too, and the tangent is its derivative. Committed,
+ * it is a state like others. */
 static void slip_is_kept(void **state) {
   enum { STEPS = 400 };
   gh_context *ctx = *state;
   gh_packing *p = case_packing(ctx, "p20");
   FOR_ENGINES(e) {
     gh_rve_options o = rve_options(e, GH_PERIODIC, 1, 1e-11);
-    o.law =
-        (gh_contact_law){.normal_stiffness = 1,
-                         .friction = 1,
-                         .tangential_stiffness = 0.8,
-                         .friction_coefficient = tan(20 * help_pi / 180),
-                         .slip = GH_SLIP_OBJECTIVE}; /* the printed slip has a length of its own increment */
+    o.law = (gh_contact_law){.normal_stiffness = 1,
+                             .friction = 1,
+                             .tangential_stiffness = 0.8,
+                             .friction_coefficient = tan(20 * help_pi / 180)};
     gh_rve *rve;
     const gh_rve_measures *m;
     double F[4] = {0.97, 0, 0, 0.97}, P[4], Q[4], A[16], *near;
@@ -539,23 +537,23 @@ static void slip_is_kept(void **state) {
     assert_int_equal(m->kept, 1);
     for (int k = 0; k < 4; k++) NEAR("P where it was", Q[k], P[k], 1e-9 * norm(P, 4));
     NEAR("dissipation", m->dissipation, dissipation, 1e-9 * dissipation);
-    const double on[4] = {F[0] - 1e-5, F[1] + 2e-4, F[2], F[3]};
-    OK(gh_rve_evaluate_near(rve, on, near, size, GH_WANT_TANGENT, Q, A));
     for (int c = 0; c < 4; c++) {
       const double h = 1e-7;
       double up[4], down[4], G[4];
-      memcpy(G, on, sizeof G);
-      G[c] = on[c] + h;
+      memcpy(G, F, sizeof G);
+      G[c] = F[c] + h;
       OK(gh_rve_evaluate_near(rve, G, near, size, 0, up, NULL));
-      G[c] = on[c] - h;
+      G[c] = F[c] - h;
       OK(gh_rve_evaluate_near(rve, G, near, size, 0, down, NULL));
       for (int k = 0; k < 4; k++)
         NEAR("derivative", A[4 * k + c], (up[k] - down[k]) / (2 * h), 1e-4 * norm(A, 16));
     }
+    FAILS(gh_rve_evaluate_near(rve, F, near, size - 7, 0, Q, NULL), GH_INPUT, "does not fit this packing");
     OK(gh_rve_load(rve, near, size));
+    assert_true(gh_rve_state_size(rve) < size);
     OK(gh_rve_evaluate(rve, F, 0, Q, NULL));
     assert_int_equal(m->kept, 0);
-    NEAR("dissipation", m->dissipation, dissipation, 1e-9 * dissipation);
+    assert_true(m->dissipation >= dissipation * (1 - 1e-12) && m->dissipation < 1.01 * dissipation);
     free(near);
     gh_rve_destroy(&rve);
   }
