@@ -35,6 +35,7 @@ static const char help[] =
     "1e-10)\n" CLI_RELAXATION_HELP
     "  --stress-tolerance T   lack of a prescribed stress over the largest stress (default 1e-6)\n"
     "  --max-steps N          relaxation steps after which an evaluation has failed (default 400000)\n"
+    "  --accept FORCE         ... unless no grain is then out of balance by more than FORCE\n"
     "  --cut-steps N          how often a failing increment is halved, 0 to 30 (default 6)\n"
     "  --stop-at-jumps        fail where a jump of the packing, or a limit load, has no equilibrium near,\n"
     "                         instead of passing it by servo control\n"
@@ -105,6 +106,8 @@ static int parse_option(int c, arguments *a) {
     status = integer("--max-steps", optarg, 1, 1000000000, &number);
     if (!status) a->rve.max_steps = number;
     return status;
+  case 'A':
+    return positive("--accept", optarg, INFINITY, &a->rve.accept);
   case 'k':
     status = integer("--cut-steps", optarg, 0, 30, &number);
     if (!status) a->options.cut_steps = (int)number;
@@ -123,12 +126,22 @@ static int parse_option(int c, arguments *a) {
 }
 
 static int parse(int argc, char **argv, arguments *a) {
-  static const struct option options[] = {
-      {"control", 1, 0, 'c'},    {"path", 1, 0, 'p'},       {"output", 1, 0, 'o'},
-      {"boundary", 1, 0, 'b'},   {"engine", 1, 0, 'e'},     {"tolerance", 1, 0, 'T'},
-      {"max-steps", 1, 0, 'n'},  {"cut-steps", 1, 0, 'k'},  {"stress-tolerance", 1, 0, 'S'},
-      {"save-state", 1, 0, 's'}, {"load-state", 1, 0, 'l'}, {"stop-at-jumps", 0, 0, 'j'},
-      {"relaxation", 1, 0, 'r'}, CONTACT_OPTIONS,           {0, 0, 0, 0}};
+  static const struct option options[] = {{"control", 1, 0, 'c'},
+                                          {"path", 1, 0, 'p'},
+                                          {"output", 1, 0, 'o'},
+                                          {"boundary", 1, 0, 'b'},
+                                          {"engine", 1, 0, 'e'},
+                                          {"tolerance", 1, 0, 'T'},
+                                          {"accept", 1, 0, 'A'},
+                                          {"max-steps", 1, 0, 'n'},
+                                          {"cut-steps", 1, 0, 'k'},
+                                          {"stress-tolerance", 1, 0, 'S'},
+                                          {"save-state", 1, 0, 's'},
+                                          {"load-state", 1, 0, 'l'},
+                                          {"stop-at-jumps", 0, 0, 'j'},
+                                          {"relaxation", 1, 0, 'r'},
+                                          CONTACT_OPTIONS,
+                                          {0, 0, 0, 0}};
   *a = (arguments){.rve = gh_rve_defaults(), .options = gh_control_defaults()};
   a->rve.tolerance = 1e-10;
   opterr = 0;

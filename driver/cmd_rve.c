@@ -33,6 +33,7 @@ static const char help[] =
     "                         force (default 1e-8)\n" CLI_RELAXATION_HELP
     "  --max-steps N          relaxation steps after which an increment has no equilibrium and is cut, six\n"
     "                         times at most (default 400000, with friction 50000)\n"
+    "  --accept FORCE         ... and is not cut, if no grain is then out of balance by more than FORCE\n"
     "  --estimate-error       goes along the path in halves of its rows, and once more in whole rows: an\n"
     "                         estimate of the error of the stress, for about three times the time\n"
     "  --tangent FILE         tangent dP/dF of each increment: step,A1111,A1112,...,A2222\n"
@@ -106,6 +107,8 @@ static int parse_option(int c, arguments *a) {
       return cli_usage(&cli_rve, "--max-steps must be a positive integer, not \"%s\"", optarg);
     a->rve.max_steps = steps;
     return 0;
+  case 'A':
+    return positive("--accept", optarg, &a->rve.accept);
   case 'E':
     a->estimate = true;
     return 0;
@@ -117,13 +120,12 @@ static int parse_option(int c, arguments *a) {
 }
 
 static int parse(int argc, char **argv, arguments *a) {
-  static const struct option options[] = {{"path", 1, 0, 'p'},       {"output", 1, 0, 'o'},
-                                          {"boundary", 1, 0, 'b'},   {"engine", 1, 0, 'e'},
-                                          {"tolerance", 1, 0, 'T'},  {"max-steps", 1, 0, 'n'},
-                                          {"tangent", 1, 0, 't'},    {"dump", 1, 0, 'd'},
-                                          {"save-state", 1, 0, 's'}, {"load-state", 1, 0, 'l'},
-                                          {"relaxation", 1, 0, 'r'}, {"estimate-error", 0, 0, 'E'},
-                                          CONTACT_OPTIONS,           {0, 0, 0, 0}};
+  static const struct option options[] = {
+      {"path", 1, 0, 'p'},           {"output", 1, 0, 'o'},     {"boundary", 1, 0, 'b'},
+      {"engine", 1, 0, 'e'},         {"tolerance", 1, 0, 'T'},  {"max-steps", 1, 0, 'n'},
+      {"accept", 1, 0, 'A'},         {"tangent", 1, 0, 't'},    {"dump", 1, 0, 'd'},
+      {"save-state", 1, 0, 's'},     {"load-state", 1, 0, 'l'}, {"relaxation", 1, 0, 'r'},
+      {"estimate-error", 0, 0, 'E'}, CONTACT_OPTIONS,           {0, 0, 0, 0}};
   *a = (arguments){.rve = gh_rve_defaults()};
   opterr = 0;
   optind = 1;
@@ -211,6 +213,8 @@ static gh_status write_row(job *j, long step, const double A[16]) {
   if (m->kept)
     gh_log(j->ctx, GH_LEVEL_WARNING, "step %ld: relaxation went in circles; slip was kept %d times", step,
            m->kept);
+  if (m->accepted)
+    gh_log(j->ctx, GH_LEVEL_WARNING, "step %ld: taken as it is, with a residual of %.2g", step, m->residual);
   if (m->regularised)
     gh_log(j->ctx, GH_LEVEL_WARNING, "step %ld: a mode without stiffness: the tangent is regularised", step);
   return j->dump ? write_frame(j, step) : GH_OK;

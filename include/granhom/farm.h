@@ -86,6 +86,7 @@ typedef struct gh_farm_counts {
   long evaluations, steps, factorisations, pairs; /* of points: evaluations, relaxation steps,
                                                      factorisations, pair evaluations (gh_engine_cost) */
   long kept;                                      /* evaluations in which slip was kept (gh_rve_measures) */
+  long accepted;                                  /* evaluations taken out of balance (gh_rve_options) */
   long computed;                                  /* evaluations done, points that share counted once */
   long moved;                                     /* states that went from rank to rank */
   int ranks, states;                              /* now: ranks; different converged states */

@@ -85,11 +85,15 @@ typedef enum gh_tangent {
 bool gh_tangent_from_name(const char *name, gh_tangent *tangent);
 const char *gh_tangent_name(gh_tangent tangent);
 
+enum { GH_MACRO_MEMORY = 10 };
+
 typedef struct gh_macro_options {
   double tolerance;   /* |R_free| <= tolerance (|f_ext| + |R_prescribed|); default 1e-8 */
   int max_iterations; /* default 20 */
   int cut_steps;      /* how often a failing increment is halved before it is given up; default 6 */
   bool line_search;   /* default true */
+  int memory; /* a step of the line search is compared with the largest of the last so many residuals of this
+                 part, 1 to GH_MACRO_MEMORY; default 1 */
   bool pass_jumps; /* default true: when the cuts are spent, commit the states beyond a jump of the packings
                       and go on (method 6) */
   gh_tangent tangent; /* default: algorithmic. With frozen and elastic the packings are asked for tangents at

@@ -264,6 +264,7 @@ static void spread(farm_shared *s, int end, double *P, double *A) {
     b->counts.factorisations += a->m.factorisations;
     b->counts.pairs += a->m.pairs;
     b->counts.kept += a->m.kept > 0;
+    b->counts.accepted += a->m.accepted;
   }
 }
 

@@ -236,9 +236,10 @@ typedef struct gh_attempt {
   const gh_loads *to;
   double t;
   int substep, iterations;
-  double residual, scale; /* of m->now */
-  bool released;          /* fading forces do not act */
-  bool present;           /* iterate with present tangents, whatever the option says */
+  double residual, scale;         /* of m->now */
+  double before[GH_MACRO_MEMORY]; /* residuals of m->now in this part, the latest first; 0: none */
+  bool released;                  /* fading forces do not act */
+  bool present;                   /* iterate with present tangents, whatever the option says */
 } gh_attempt;
 
 /* Outer forces at the fraction t and at displacements u, `fade` left out where told. */

@@ -5,8 +5,12 @@
 #include <string.h>
 
 gh_macro_options gh_macro_defaults(void) {
-  return (gh_macro_options){
-      .tolerance = 1e-8, .max_iterations = 20, .cut_steps = 6, .line_search = true, .pass_jumps = true};
+  return (gh_macro_options){.tolerance = 1e-8,
+                            .max_iterations = 20,
+                            .cut_steps = 6,
+                            .line_search = true,
+                            .memory = 1,
+                            .pass_jumps = true};
 }
 
 static const char *const tangent_names[] = {"algorithmic", "symmetrised", "frozen", "elastic"};
@@ -28,6 +32,9 @@ void gh_macro_allow_cuts(gh_macro *m, int cut_steps) {
 static gh_status check_options(gh_context *ctx, const gh_macro_options *o) {
   if (!(o->tolerance > 0 && o->tolerance < 1))
     return gh_fail(ctx, GH_INPUT, "solver: tolerance %g must lie between 0 and 1", o->tolerance);
+  if (o->memory < 1 || o->memory > GH_MACRO_MEMORY)
+    return gh_fail(ctx, GH_INPUT, "solver: search_memory %d must be from 1 to %d", o->memory,
+                   GH_MACRO_MEMORY);
   if (o->max_iterations < 1)
     return gh_fail(ctx, GH_INPUT, "solver: max_iterations %d must be at least 1", o->max_iterations);
   if (o->cut_steps < 0 || o->cut_steps > 40)

@@ -149,6 +149,20 @@ static gh_status try_step(gh_macro *m, gh_attempt *a, double s, double *residual
   return GH_OK;
 }
 
+static void remember(gh_attempt *a) {
+  memmove(a->before + 1, a->before, sizeof a->before - sizeof *a->before);
+  a->before[0] = a->residual;
+}
+
+/* What a step has to fall below. Where packings come to rest now here, now there, the residual comes down by
+ * fits and starts, and steps that are shortened for it lead to no other packings: the largest of the last few
+ * is what counts (Grippo, Lampariello and Lucidi, SIAM J. Numer. Anal. 23, 707, 1986). */
+static double to_beat(const gh_macro *m, const gh_attempt *a) {
+  double worst = a->residual;
+  for (int k = 0; k < m->options.memory; k++) worst = fmax(worst, a->before[k]);
+  return worst;
+}
+
 static void accept(gh_macro *m, gh_attempt *a, double residual, double scale) {
   gh_state_swap(&m->now, &m->next);
   gh_farm_keep(m->farm);
@@ -172,8 +186,8 @@ static double shorten(double s, double work0, double work) {
 /* Backtracks until a step is long enough; else takes the best that lowers the residual at all and counts it
  * as weak; else the iteration has stalled. */
 static gh_status search(gh_macro *m, gh_attempt *a, double *step, int *weak) {
-  double first = a->residual, work0 = along(m, a, m->residual), best = 0, best_residual = first * (1 - 1e-6),
-         tried = 0;
+  double now = a->residual, first = to_beat(m, a), work0 = along(m, a, m->residual), best = 0,
+         best_residual = now * (1 - 1e-6), tried = 0;
   gh_status failure = GH_OK;
   *step = 1;
   gh_jump_forget(&m->jump);
@@ -188,7 +202,7 @@ static gh_status search(gh_macro *m, gh_attempt *a, double *step, int *weak) {
       continue;
     }
     if (residual <= (1 - decrease * tried) * first || residual <= limit(m, scale) ||
-        (fabs(work) <= slope * fabs(work0) && residual <= growth * first)) {
+        (fabs(work) <= slope * fabs(work0) && residual <= growth * now)) {
       accept(m, a, residual, scale);
       return GH_OK;
     }
@@ -260,6 +274,7 @@ static gh_status iterate(gh_macro *m, gh_attempt *a) {
   const int done = a->iterations;
   int weak = 0, slow = 0;
   gh_jump_forget(&m->jump);
+  memset(a->before, 0, sizeof a->before);
   gh_state_copy(m, &m->eq, &m->now);
   assemble(m, a);
   bool moved = prescribe(m, a);
@@ -275,6 +290,7 @@ static gh_status iterate(gh_macro *m, gh_attempt *a) {
       memset(m->du, 0, (size_t)entries(m) * sizeof *m->du);
     }
     double before = a->residual;
+    remember(a);
     GH_TRY(direction(m, k > 0 && keeps_factor(m, a)));
     GH_TRY(moved || !m->options.line_search ? full_step(m, a) : search(m, a, &step, &weak));
     moved = false;

@@ -235,11 +235,14 @@ static gh_status leave_circle(gh_rve *r, double tolerance) {
   return gh_rve_look_at_contacts(r);
 }
 
-/* Steps until relaxation without end is looked at. */
+/* Steps until relaxation without end is looked at: with friction 5000, and when slip was kept four times 500,
+ * four times 1000, 2000, and 5000 from then on. */
 static long portion(const gh_rve *r) {
-  enum { FIRST = 5000, WITHOUT_FRICTION = 50000, KEPT = 500 };
+  enum { WITHOUT_FRICTION = 50000, FIRST = 5000 };
+  static const long then[] = {500, 1000, 2000};
   if (!r->coupled) return WITHOUT_FRICTION;
-  return r->m.kept && r->m.kept < FIRST / KEPT ? KEPT * r->m.kept : FIRST;
+  const int k = (r->m.kept - 1) / 4;
+  return r->m.kept && k < (int)(sizeof then / sizeof *then) ? then[k] : FIRST;
 }
 
 /* Without end: in circles, or slowly. What slip does in an increment depends on where it leads alone, so that
@@ -272,6 +275,8 @@ static gh_status relax(gh_rve *r, double tolerance, long *left) {
     GH_TRY(gh_rve_look_at_contacts(r));
     if (r->coupled && !result.converged) GH_TRY(end_circle(r, fmax(tolerance, target(r)), *left > 0));
     if (r->m.residual <= fmax(tolerance, target(r))) return GH_OK;
+    r->m.accepted = *left <= 0 && r->m.residual * r->m.mean_force <= r->options.accept;
+    if (r->m.accepted) return GH_OK;
     if (*left <= 0 || result.steps < 1)
       return gh_fail(r->ctx, GH_DIVERGED,
                      "no equilibrium within %ld relaxation steps at F = [%.6g %.6g; %.6g %.6g]: the largest "
@@ -338,7 +343,7 @@ static gh_status solve(gh_rve *r) {
   }
   while (!done) {
     GH_TRY(relax(r, aim, &left));
-    if (r->m.unjammed || r->m.residual <= target(r)) break;
+    if (r->m.unjammed || r->m.accepted || r->m.residual <= target(r)) break;
     GH_TRY(polish(r, &done, &again));
     if (!done) aim = again ? fmax(fmin(r->m.residual, aim) / 10, target(r)) : target(r);
   }

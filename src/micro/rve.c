@@ -74,6 +74,9 @@ bool gh_rve_has_branches(const gh_rve_options *o) {
 static gh_status check_options(gh_context *ctx, const gh_rve_options *o) {
   if (!(o->tolerance > 0) || !(o->tolerance < 1))
     return gh_fail(ctx, GH_INPUT, "the tolerance must lie between 0 and 1, not %g", o->tolerance);
+  if (!(o->accept >= 0) || isinf(o->accept))
+    return gh_fail(ctx, GH_INPUT, "the force that is accepted out of balance must be 0 or more, not %g",
+                   o->accept);
   if (o->max_steps < 0)
     return gh_fail(ctx, GH_INPUT, "the number of relaxation steps must not be negative, but is %ld",
                    o->max_steps);

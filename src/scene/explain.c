@@ -101,6 +101,10 @@ static void explain_micro(const gh_scene *s, gh_text *out) {
   if (relaxes || turns)
     gh_text_print(out, "relaxation        %s, to a residual of %g\n", ways[s->micro.relaxation],
                   s->micro.tolerance);
+  if ((relaxes || turns) && s->micro.accept > 0)
+    gh_text_print(
+        out, "                  after %ld steps taken as it is, if no force out of balance is above %g\n",
+        gh_rve_step_limit(&s->micro), s->micro.accept);
   explain_left_out(s, relaxes, turns, out);
 }
 
@@ -140,8 +144,11 @@ static void explain_solver(const gh_scene *s, gh_text *out) {
       [GH_TANGENT_FROZEN] = "the tangent of the last equilibrium, factorised once for an increment",
       [GH_TANGENT_ELASTIC] = "the tangent of the packings as read, factorised once for an increment"};
   gh_text_print(out, "solver            Newton with %s,\n", matrix[s->solver.tangent]);
-  gh_text_print(out, "                  %s line search, tolerance %g, at most %d iterations\n",
-                s->solver.line_search ? "with" : "without", s->solver.tolerance, s->solver.max_iterations);
+  gh_text_print(out, "                  %s line search", s->solver.line_search ? "with" : "without");
+  if (s->solver.line_search && s->solver.memory > 1)
+    gh_text_print(out, " below the largest of %d residuals", s->solver.memory);
+  gh_text_print(out, ", tolerance %g, at most %d iterations\n", s->solver.tolerance,
+                s->solver.max_iterations);
   gh_text_print(
       out,
       "                  an increment that fails is halved up to %d times; jumps of the packings are %s\n",
@@ -283,6 +290,9 @@ void gh_summary_print(const gh_run_summary *m, const char *folder, gh_text *out)
         m->points);
   if (m->farm.kept > 0)
     gh_text_print(out, "in %ld evaluations relaxation went in circles until slip was kept\n", m->farm.kept);
+  if (m->farm.accepted > 0)
+    gh_text_print(out, "in %ld evaluations a packing was taken as it was, out of balance (micro.accept)\n",
+                  m->farm.accepted);
   if (m->farm.ranks > 1 && m->farm.longest > 0)
     gh_text_print(out,
                   "ranks were busy for %.0f %% of the time that the busiest one took in each evaluation\n",

@@ -156,7 +156,7 @@ static gh_status read_micro(gh_scene *s, node root) {
   node micro = gh_yaml_get(root, "micro"), n;
   if (!gh_yaml_has(micro)) return GH_OK;
   GH_TRY(scene_map(micro, "micro",
-                   KEYS("boundary", "tolerance", "engine", "max_steps", "resident", "relaxation")));
+                   KEYS("boundary", "tolerance", "accept", "engine", "max_steps", "resident", "relaxation")));
   const char *word;
   if (gh_yaml_has(n = gh_yaml_get(micro, "boundary"))) {
     GH_TRY(gh_yaml_text(n, "boundary", &word));
@@ -176,6 +176,7 @@ static gh_status read_micro(gh_scene *s, node root) {
   }
   if (gh_yaml_has(n = gh_yaml_get(micro, "max_steps")))
     GH_TRY(gh_yaml_integer(n, "max_steps", 1, 2000000000, &s->micro.max_steps));
+  if (gh_yaml_has(n = gh_yaml_get(micro, "accept"))) GH_TRY(scene_positive(n, "accept", &s->micro.accept));
   GH_TRY(optional_integer(micro, "resident", 1, 1000000000, &s->resident));
   return fraction(micro, "tolerance", &s->micro.tolerance);
 }
@@ -297,7 +298,7 @@ static gh_status read_start(gh_scene *s, node root) {
 /* ---- solver, the whole ---- */
 
 /* Frozen and elastic tangents converge linearly, in cheap iterations. */
-enum { PATIENT_ITERATIONS = 200, AT_ONCE = 16, MOST_AT_ONCE = 1 << 10 };
+enum { PATIENT_ITERATIONS = 200, AT_ONCE = 16, MOST_AT_ONCE = 1 << 10, MEMORY_WITH_BRANCHES = 5 };
 
 static gh_status read_tangent(gh_scene *s, node solver) {
   node n = gh_yaml_get(solver, "tangent");
@@ -324,10 +325,11 @@ static gh_status read_increments(gh_scene *s, node solver) {
 static gh_status read_solver(gh_scene *s, node root) {
   node solver = gh_yaml_get(root, "solver"), n;
   s->at_once = 1;
+  if (gh_rve_has_branches(&s->micro)) s->solver.memory = MEMORY_WITH_BRANCHES;
   if (!gh_yaml_has(solver)) return GH_OK;
   GH_TRY(scene_map(solver, "solver",
-                   KEYS("method", "tolerance", "line_search", "max_iterations", "cut_steps", "pass_jumps",
-                        "tangent", "increments", "at_once")));
+                   KEYS("method", "tolerance", "line_search", "search_memory", "max_iterations", "cut_steps",
+                        "pass_jumps", "tangent", "increments", "at_once")));
   if (gh_yaml_has(n = gh_yaml_get(solver, "method"))) {
     const char *word;
     GH_TRY(gh_yaml_text(n, "method", &word));
@@ -336,6 +338,7 @@ static gh_status read_solver(gh_scene *s, node root) {
   }
   GH_TRY(fraction(solver, "tolerance", &s->solver.tolerance));
   GH_TRY(scene_optional_bool(solver, "line_search", &s->solver.line_search));
+  GH_TRY(optional_integer(solver, "search_memory", 1, GH_MACRO_MEMORY, &s->solver.memory));
   GH_TRY(scene_optional_bool(solver, "pass_jumps", &s->solver.pass_jumps));
   GH_TRY(read_tangent(s, solver));
   GH_TRY(read_increments(s, solver));

@@ -61,6 +61,7 @@ static void add_options(cJSON *root, const gh_scene *s, const gh_farm *farm) {
   text(micro, "relaxation", gh_relaxation_name(s->micro.relaxation));
   number(micro, "tolerance", s->micro.tolerance);
   number(micro, "max_steps", (double)gh_rve_step_limit(&s->micro));
+  number(micro, "accept", s->micro.accept);
   number(micro, "grains", s->packings[0]->n);
   number(micro, "points", gh_farm_size(farm));
   text(solver, "method", "newton");
@@ -68,6 +69,7 @@ static void add_options(cJSON *root, const gh_scene *s, const gh_farm *farm) {
   number(solver, "max_iterations", s->solver.max_iterations);
   number(solver, "cut_steps", s->solver.cut_steps);
   truth(solver, "line_search", s->solver.line_search);
+  number(solver, "search_memory", s->solver.memory);
   text(solver, "tangent", gh_tangent_name(s->solver.tangent));
   number(solver, "at_once", s->at_once);
   truth(solver, "estimate_error", s->estimate);
@@ -149,6 +151,7 @@ static void add_summary(cJSON *root, const gh_run_summary *m) {
   number(farm, "evaluations", (double)m->farm.evaluations);
   number(farm, "pair_evaluations", (double)m->farm.pairs);
   number(farm, "slip_kept", (double)m->farm.kept);
+  number(farm, "accepted", (double)m->farm.accepted);
   number(farm, "computed", (double)m->farm.computed);
   number(farm, "moved", (double)m->farm.moved);
   number(farm, "busy_seconds", m->farm.busy);
