@@ -84,6 +84,9 @@ wrong() { # lines, words
 }
 wrong 'solver: {tangent: secant}' "tangent 'secant' is none of algorithmic, symmetrised, frozen, elastic"
 wrong 'micro: {relaxation: newton}' "relaxation 'newton' is none of polished, damped, fire"
+wrong 'micro: {accept: -1}' 'accept'
+wrong 'solver: {search_memory: 0}' 'search_memory'
+wrong 'solver: {search_memory: 11}' 'search_memory'
 wrong 'solver: {increments: few}' "increments 'few' is none of planned, automatic"
 wrong 'solver: {at_once: 4}' 'at_once needs `increments: automatic`'
 wrong 'solver: {increments: automatic, at_once: 0}' 'at_once'

@@ -34,6 +34,8 @@ check "path from standard input" diff <(results out.csv) <(results piped.csv)
 sed 's/step,//; s/^[0-9],//' path.csv | awk -F, 'BEGIN { OFS = "," } { print $4, $3, $2, $1 }' >swapped.csv
 native --path swapped.csv -o swapped_out.csv 2>/dev/null
 check "columns of the path are found by name, steps are counted" diff <(results out.csv) <(results swapped_out.csv)
+native --friction-angle 20 --path path.csv --max-steps 20 --accept 100 -o taken.csv >said 2>&1
+check "--accept takes a packing as it is, and says so" test $? = 0 -a "$(grep -c 'taken as it is, with a residual of' said)" = 3
 for boundary in taylor taylor-cell restricted periodic; do
   check "boundary $boundary" native --boundary $boundary --path path.csv -o $boundary.csv
 done

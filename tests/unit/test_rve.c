@@ -560,6 +560,41 @@ static void slip_is_kept(void **state) {
   gh_packing_destroy(&p);
 }
 
+/* When the steps are spent, a packing is taken as it is, if it is told how far out of balance it may be. */
+static void taken_as_it_is(void **state) {
+  gh_context *ctx = *state;
+  gh_packing *p = case_packing(ctx, "p50");
+  FOR_ENGINES(e) for (int friction = 0; friction < 2; friction++) {
+    gh_rve_options o = rve_options(e, GH_PERIODIC, 100, 1e-10);
+    gh_rve *rve;
+    double P[4], A[16];
+    if (friction)
+      o.law = (gh_contact_law){
+          .normal_stiffness = 100, .friction = 1, .tangential_stiffness = 60, .friction_coefficient = 0.4};
+    o.max_steps = 20;
+    o.accept = 1e-9;
+    OK(gh_rve_create(ctx, p, &o, &rve));
+    FAILS(gh_rve_evaluate(rve, squeeze, 0, P, NULL), GH_DIVERGED, "no equilibrium within 20");
+    gh_rve_destroy(&rve);
+    o.accept = 10;
+    OK(gh_rve_create(ctx, p, &o, &rve));
+    OK(gh_rve_evaluate(rve, squeeze, GH_WANT_TANGENT, P, A));
+    const gh_rve_measures *m = gh_rve_measure(rve);
+    assert_int_equal(m->accepted, 1);
+    assert_true(m->residual > 1e-10 && m->residual * m->mean_force <= 10);
+    gh_rve_destroy(&rve);
+    o.max_steps = 0;
+    OK(gh_rve_create(ctx, p, &o, &rve));
+    OK(gh_rve_evaluate(rve, squeeze, 0, P, NULL));
+    assert_int_equal(gh_rve_measure(rve)->accepted, 0);
+    assert_true(gh_rve_measure(rve)->residual <= 1e-10);
+    gh_rve_destroy(&rve);
+    o.accept = -1;
+    FAILS(gh_rve_create(ctx, p, &o, &rve), GH_INPUT, "0 or more, not -1");
+  }
+  gh_packing_destroy(&p);
+}
+
 /* What one sees of an RVE adds up to its stress: (1/V) sum f (x) F^-1 l over the contacts, positions and
  * flags in order. */
 static void looking_at_an_rve(void **state) {
@@ -733,6 +768,7 @@ int main(void) {
                                      TEST(branches),
                                      TEST(near_a_trial_state),
                                      TEST(slip_is_kept),
+                                     TEST(taken_as_it_is),
                                      TEST(looking_at_an_rve),
                                      TEST(a_farm_of_anything),
                                      TEST(a_farm_is_stopped),

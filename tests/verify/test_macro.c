@@ -31,8 +31,9 @@ typedef struct material {
   double skew;         /* P12 += skew (F21): an unsymmetric tangent */
   double jump_at;      /* F22 below this, or once committed below this: P22 += jump; 0: none */
   double jump;
-  bool poison; /* stress is not a number away from F = I */
-  bool empty;  /* no stress, no stiffness */
+  double rough; /* P22 += rough in the second evaluation of an increment, and in no other */
+  bool poison;  /* stress is not a number away from F = I */
+  bool empty;   /* no stress, no stiffness */
 } material;
 
 typedef struct point {
@@ -40,8 +41,8 @@ typedef struct point {
   const material *m;
   double F[4], trial[4], P[4];
   bool jumped, trial_jumped, has_trial;
-  int commits;
-  double committed[64][2]; /* F22, P22 */
+  int commits, evaluations; /* evaluations: since the last one */
+  double committed[64][2];  /* F22, P22 */
 } point;
 
 static void neo_hooke(const double F[4], double P[4], double A[16]) {
@@ -70,6 +71,7 @@ static gh_status evaluate(void *data, const double F[4], unsigned want, double P
   A[4 + 2] += m->skew;
   p->trial_jumped = p->jumped || (m->jump_at > 0 && F[3] < m->jump_at);
   if (p->trial_jumped) P[3] += m->jump;
+  if (++p->evaluations == 2) P[3] += m->rough;
   if (m->poison && F[0] != 1) P[0] = NAN;
   if (m->empty) {
     memset(P, 0, 4 * sizeof *P);
@@ -87,6 +89,7 @@ static gh_status commit(void *data) {
   memcpy(p->F, p->trial, sizeof p->F);
   p->jumped = p->trial_jumped;
   p->has_trial = false;
+  p->evaluations = 0;
   if (p->commits < 64) {
     p->committed[p->commits][0] = p->F[3];
     p->committed[p->commits++][1] = p->P[3];
@@ -330,6 +333,47 @@ static void test_dead_pressure(void **state) {
   assert_near(sum[1], 8, 1e-11);
   gh_macro_reaction(p.macro, gh_mesh_find(p.mesh, "top"), sum);
   assert_near(sum[1], 0, 0);
+  drop(&p);
+}
+
+/* A residual that rises once: a search that wants each step to lower it shortens that step, one that compares
+ * with the largest of the last few goes on, in fewer evaluations, to the same end. */
+static void test_search_memory(void **state) {
+  const material rough = {.rough = 1};
+  long evaluations[2];
+  for (int k = 0; k < 2; k++) {
+    gh_macro_options o = tight();
+    o.memory = k ? 5 : 1;
+    problem p = make_block(*state, 2, 3, 1, 1, &rough, &o);
+    gh_macro_set_watch(p.macro, watch, &p);
+    fix(&p, "left", 0, 0);
+    fix(&p, "right", 0, 0);
+    fix(&p, "bottom", 1, 0);
+    press(&p, "top", 4, false);
+    assert_int_equal(gh_macro_balance(p.macro), GH_OK);
+    for (int q = 0; q < 4; q++) p.points[q]->evaluations = 0;
+    solve(&p);
+    double shortest = 1, x = bisect(confined, 4, 0.1, 1);
+    bool rises = false;
+    for (int q = 0; q < 4; q++) assert_near(gh_macro_F(p.macro)[4 * q + 3], x, 1e-12);
+    for (int l = 1; l < p.lines; l++) {
+      shortest = fmin(shortest, p.line[l].step);
+      rises = rises || p.line[l].residual > p.line[l - 1].residual;
+    }
+    assert_true(k ? rises && shortest == 1 : !rises && shortest < 1);
+    gh_farm_counts counts;
+    gh_farm_count(p.farm, &counts);
+    evaluations[k] = counts.evaluations;
+    drop(&p);
+  }
+  assert_true(evaluations[1] < evaluations[0]);
+  gh_macro_options o = tight();
+  problem p = make_block(*state, 2, 3, 1, 1, &plain, &o);
+  gh_macro *other = NULL;
+  for (int k = 0; k < 2; k++) {
+    o.memory = k ? GH_MACRO_MEMORY + 1 : 0;
+    assert_int_equal(gh_macro_create(p.ctx, p.mesh, p.farm, &o, &other), GH_INPUT);
+  }
   drop(&p);
 }
 
@@ -759,27 +803,17 @@ static int drop_context(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(test_patch),
-      cmocka_unit_test(test_stiffness),
-      cmocka_unit_test(test_quadratic),
-      cmocka_unit_test(test_dead_pressure),
-      cmocka_unit_test(test_following_pressure),
-      cmocka_unit_test(test_gravity),
-      cmocka_unit_test(test_balance_of_forces),
-      cmocka_unit_test(test_unload),
-      cmocka_unit_test(test_same_again),
-      cmocka_unit_test(test_release),
-      cmocka_unit_test(test_cuts),
-      cmocka_unit_test(test_partial),
-      cmocka_unit_test(test_jump),
-      cmocka_unit_test(test_work),
-      cmocka_unit_test(test_no_supports),
-      cmocka_unit_test(test_two_bodies),
-      cmocka_unit_test(test_input),
-      cmocka_unit_test(test_breakdown),
-      cmocka_unit_test(test_unsymmetric),
-      cmocka_unit_test(test_initial_stress),
-      cmocka_unit_test(test_confinement),
+      cmocka_unit_test(test_patch),          cmocka_unit_test(test_stiffness),
+      cmocka_unit_test(test_quadratic),      cmocka_unit_test(test_dead_pressure),
+      cmocka_unit_test(test_search_memory),  cmocka_unit_test(test_following_pressure),
+      cmocka_unit_test(test_gravity),        cmocka_unit_test(test_balance_of_forces),
+      cmocka_unit_test(test_unload),         cmocka_unit_test(test_same_again),
+      cmocka_unit_test(test_release),        cmocka_unit_test(test_cuts),
+      cmocka_unit_test(test_partial),        cmocka_unit_test(test_jump),
+      cmocka_unit_test(test_work),           cmocka_unit_test(test_no_supports),
+      cmocka_unit_test(test_two_bodies),     cmocka_unit_test(test_input),
+      cmocka_unit_test(test_breakdown),      cmocka_unit_test(test_unsymmetric),
+      cmocka_unit_test(test_initial_stress), cmocka_unit_test(test_confinement),
       cmocka_unit_test(test_all_prescribed),
   };
   return cmocka_run_group_tests(tests, make_context, drop_context);
