@@ -337,10 +337,9 @@ static void test_dead_pressure(void **state) {
 }
 
 /* A residual that rises once: a search that wants each step to lower it shortens that step, one that compares
- * with the largest of the last few goes on, in fewer evaluations, to the same end. */
+ * with the largest of the last few goes on with full steps, to the same end. */
 static void test_search_memory(void **state) {
   const material rough = {.rough = 1};
-  long evaluations[2];
   for (int k = 0; k < 2; k++) {
     gh_macro_options o = tight();
     o.memory = k ? 5 : 1;
@@ -361,12 +360,8 @@ static void test_search_memory(void **state) {
       rises = rises || p.line[l].residual > p.line[l - 1].residual;
     }
     assert_true(k ? rises && shortest == 1 : !rises && shortest < 1);
-    gh_farm_counts counts;
-    gh_farm_count(p.farm, &counts);
-    evaluations[k] = counts.evaluations;
     drop(&p);
   }
-  assert_true(evaluations[1] < evaluations[0]);
   gh_macro_options o = tight();
   problem p = make_block(*state, 2, 3, 1, 1, &plain, &o);
   gh_macro *other = NULL;
