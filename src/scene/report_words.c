@@ -155,6 +155,22 @@ static void tell_unjammed(report *r) {
   end(r);
 }
 
+/* Packings that never came to rest are no result like others. */
+static void tell_accepted(report *r) {
+  const double n = report_run_number(r, (const char *const[]){"summary", "farm", "accepted", NULL}),
+               residual = report_run_number(r, (const char *const[]){"error", "micro_residual", NULL});
+  if (!(n > 0)) return;
+  begin(r, "warn", "Packings out of balance");
+  gh_text_print(r->out,
+                "In %.0f evaluations a packing was taken as it was when its relaxation steps were spent, as "
+                "the scene allows (<code>micro.accept</code>).",
+                n);
+  if (isfinite(residual))
+    gh_text_print(r->out, " The largest residual of a packing in an equilibrium of the body is %.2g.",
+                  residual);
+  end(r);
+}
+
 static void tile(report *r, const char *value, const char *label) {
   gh_text_print(r->out, "<div><b>%s</b><span>%s</span></div>\n", value, label);
 }
@@ -205,6 +221,7 @@ gh_status report_verdict(report *r) {
   tell_jumps(r);
   tell_ellipticity(r);
   tell_unjammed(r);
+  tell_accepted(r);
   tiles(r);
   return GH_OK;
 }
