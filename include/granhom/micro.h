@@ -26,7 +26,7 @@ typedef struct gh_rve_options {
                        default 1e-8 */
   long max_steps;   /* relaxation steps before GH_DIVERGED; 0: the default */
   double accept;    /* when the relaxation steps are spent: force out of balance on a grain, or moment over
-                       radius,    up to which the packing is taken as it is; 0, the default: none */
+                       radius, up to which the packing is taken as it is; 0, the default: none */
   gh_relaxation relaxation; /* the way to equilibrium; default GH_RELAX_POLISHED. The others take no Newton
                                step: relaxation alone has to reach the tolerance */
 } gh_rve_options;
@@ -58,7 +58,7 @@ typedef struct gh_rve_measures {
   int contacts, rattlers;
   int sliding; /* contacts on the Coulomb limit */
   int factorisations;
-  int kept;        /* times that slip was kept on the way (method.md, Friction) */
+  int kept;        /* times that slip was kept on the way (method.md, Circles) */
   int accepted;    /* taken as it is, with a residual above the tolerance (gh_rve_options) */
   int polished;    /* the residual was reached by Newton polish */
   int unjammed;    /* no contact, or free grains without contact force: P = 0, A = 0 */

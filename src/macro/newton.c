@@ -149,6 +149,7 @@ static gh_status try_step(gh_macro *m, gh_attempt *a, double s, double *residual
   return GH_OK;
 }
 
+/* Before each correction. */
 static void remember(gh_attempt *a) {
   memmove(a->before + 1, a->before, sizeof a->before - sizeof *a->before);
   a->before[0] = a->residual;
@@ -158,7 +159,7 @@ static void remember(gh_attempt *a) {
  * fits and starts, and steps that are shortened for it lead to no other packings: the largest of the last few
  * is what counts (Grippo, Lampariello and Lucidi, SIAM J. Numer. Anal. 23, 707, 1986). */
 static double to_beat(const gh_macro *m, const gh_attempt *a) {
-  double worst = a->residual;
+  double worst = 0;
   for (int k = 0; k < m->options.memory; k++) worst = fmax(worst, a->before[k]);
   return worst;
 }
@@ -186,7 +187,7 @@ static double shorten(double s, double work0, double work) {
 /* Backtracks until a step is long enough; else takes the best that lowers the residual at all and counts it
  * as weak; else the iteration has stalled. */
 static gh_status search(gh_macro *m, gh_attempt *a, double *step, int *weak) {
-  double now = a->residual, first = to_beat(m, a), work0 = along(m, a, m->residual), best = 0,
+  double now = a->residual, beat = to_beat(m, a), work0 = along(m, a, m->residual), best = 0,
          best_residual = now * (1 - 1e-6), tried = 0;
   gh_status failure = GH_OK;
   *step = 1;
@@ -201,7 +202,7 @@ static gh_status search(gh_macro *m, gh_attempt *a, double *step, int *weak) {
       *step *= 0.5;
       continue;
     }
-    if (residual <= (1 - decrease * tried) * first || residual <= limit(m, scale) ||
+    if (residual <= (1 - decrease * tried) * beat || residual <= limit(m, scale) ||
         (fabs(work) <= slope * fabs(work0) && residual <= growth * now)) {
       accept(m, a, residual, scale);
       return GH_OK;
@@ -289,14 +290,13 @@ static gh_status iterate(gh_macro *m, gh_attempt *a) {
       if (!keeps_factor(m, a)) assemble(m, a);
       memset(m->du, 0, (size_t)entries(m) * sizeof *m->du);
     }
-    double before = a->residual;
     remember(a);
     GH_TRY(direction(m, k > 0 && keeps_factor(m, a)));
     GH_TRY(moved || !m->options.line_search ? full_step(m, a) : search(m, a, &step, &weak));
     moved = false;
     a->iterations++;
     report(m, a, k + 1, first, step);
-    slow = step < 1 && a->residual > before / 2 ? slow + 1 : 0;
+    slow = step < 1 && a->residual > a->before[0] / 2 ? slow + 1 : 0;
     if (slow == SLOW_STEPS && a->residual > limit(m, a->scale))
       return gh_fail(m->ctx, GH_DIVERGED, "the residual creeps: %d shortened steps in a row did not halve it",
                      slow);

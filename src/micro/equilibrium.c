@@ -260,9 +260,10 @@ static gh_status end_circle(gh_rve *r, double tolerance, bool goes_on) {
 static gh_status relax(gh_rve *r, double tolerance, long *left) {
   double asked = tolerance, floor = r->floor, least = 0;
   for (;;) {
+    const long most = portion(r);
     double start = gh_seconds();
     gh_relax_options o = {.tolerance = asked,
-                          .max_steps = *left < portion(r) ? *left : portion(r),
+                          .max_steps = *left < most ? *left : most,
                           .floor = floor,
                           .method = r->options.relaxation,
                           .least_damping = least};

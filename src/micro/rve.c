@@ -201,8 +201,8 @@ static parts divide(const gh_rve *r, const double *state) {
 }
 
 /* Whether another state stands behind it. */
-static bool keeps(const gh_rve *r, const double *state) {
-  return gh_rve_friction(r) && divide(r, state).numbers[KEPT] > 0;
+static bool keeps(const parts *p) {
+  return p->numbers && p->numbers[KEPT] > 0;
 }
 
 /* One state of at most `size` numbers, and how many it has by what it says itself: more, if it is cut off. */
@@ -223,7 +223,8 @@ static gh_status check_parts(const gh_rve *r, const double *state, size_t size, 
 static gh_status check_state(const gh_rve *r, const double *state, size_t size) {
   size_t used, more = 0;
   GH_TRY(check_parts(r, state, size, &used));
-  if (used < size && keeps(r, state)) GH_TRY(check_parts(r, state + used, size - used, &more));
+  const parts p = used < size ? divide(r, state) : (parts){0};
+  if (keeps(&p)) GH_TRY(check_parts(r, state + used, size - used, &more));
   if (used + more == size) return GH_OK;
   return gh_fail(r->ctx, GH_INPUT,
                  "the state to load has %zu numbers, which does not fit this packing and its contact law",
@@ -263,7 +264,7 @@ static gh_status begin(gh_rve *r, const double *near, beginning *b) {
     return gh_rve_begin_increment(r);
   const parts p = divide(r, near);
   *b = (beginning){.F = p.F, .y = p.y, .theta = p.theta};
-  return keeps(r, near) ? take_kept(r, p.end) : gh_rve_begin_increment(r);
+  return keeps(&p) ? take_kept(r, p.end) : gh_rve_begin_increment(r);
 }
 
 /* Grains are guessed to turn with the body: by the rotation of F from where it begins. Where they slide,

@@ -252,7 +252,6 @@ static void slope(gh_context *ctx, const gh_packing *packing, gh_boundary b, boo
   problem p;
   gh_rve_options o = material(b, 1, friction ? 20 : 0);
   char name[160], reason[160] = "";
-  int cuts;
   rectangle(&p, ctx, 4, 3, 4, 3);
   for (int n = 0; n < p.mesh->nnodes; n++) { /* the right half of the surface falls 1:2 */
     double *X = &p.mesh->X[2 * n];
@@ -275,17 +274,15 @@ static void slope(gh_context *ctx, const gh_packing *packing, gh_boundary b, boo
     put(&p, 0.2, 0, -increment * n);
     status = gh_macro_solve(p.macro, p.loads, &p.report);
   }
-  FAILS(status, GH_DIVERGED, "no equilibrium after ");
-  assert_int_equal(sscanf(gh_message(ctx), "no equilibrium after %d cuts", &cuts), 1);
-  assert_true(cuts >= 6); /* and more where a jump was passed */
+  FAILS(status, GH_DIVERGED, "no equilibrium after 6 cuts");
   assert_true(n > 0 && norm(gh_macro_u(p.macro), 2 * p.mesh->nnodes) < 3);
   assert_true(gh_finite(gh_macro_P(p.macro), 192) && gh_finite(gh_macro_reactions(p.macro), 40));
   sscanf(gh_message(ctx), "%*[^:]: %159[^;:]", reason);
   snprintf(name, sizeof name, "slope loaded to its limit, %s, %s", gh_boundary_name(b),
            friction ? "20 degrees" : "frictionless");
   row(section, name, "stops with a reason; the last state is kept",
-      "converged up to %.3g E, at %.3g E refused: no equilibrium after %d cuts: %s", (n - 1) * increment,
-      n * increment, cuts, reason);
+      "converged up to %.3g E, at %.3g E refused: no equilibrium after 6 cuts: %s", (n - 1) * increment,
+      n * increment, reason);
   drop(&p);
 }
 

@@ -359,6 +359,7 @@ done
 chrome --window-size=1280,2000 --screenshot="$work/page.png" "file://$work/periodic/report.html" >"$work/dom"
 [ "$(head -c 4 "$work/page.png" | tail -c 3)" = PNG ] && [ "$(wc -c <"$work/page.png")" -gt 50000 ]
 say $? 'a browser draws the page'
+
 # ---- packings that are taken as they are ----
 
 sed 's/engine: native/&, max_steps: 40, accept: 1000/; s/^steps:/solver: {tolerance: 1e-2}\n&/; s/^results:.*//' "$work/periodic.yaml" >"$work/loose.yaml"
