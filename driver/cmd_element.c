@@ -3,6 +3,7 @@
 #include "cli.h"
 #include "contact_options.h"
 #include "element_spec.h"
+#include "rve_doubts.h"
 #include "rve_state.h"
 
 #include "granhom/io.h"
@@ -65,6 +66,7 @@ typedef struct job {
   element_spec spec;
   gh_rve *rve;
   gh_control *control;
+  rve_doubts doubts; /* of the increment under way */
   gh_text *out;
   int row, jumps, jumped; /* rows written; jumps in all, and increments that had some */
   double written;
@@ -183,6 +185,7 @@ static void write_row(job *j, int load_step, const gh_control_report *r, double 
     gh_text_print(j->out, ",%.17g,%.17g,%d", m->energy_t, m->dissipation, m->sliding);
   gh_text_print(j->out, ",%d,%.17g,%.17g,%d,%d,%d,%d,%.6g\n", load_step, gh_det2(m->F),
                 -(m->cauchy[0] + m->cauchy[3]) / 2, r->iterations, r->parts, r->cuts, r->jumps, r->mismatch);
+  rve_doubts_tell(j->ctx, &j->doubts, j->row);
   j->row++;
   j->jumps += r->jumps;
   j->jumped += r->jumps > 0;
@@ -200,6 +203,25 @@ static gh_status write_file(job *j, bool last) {
     return gh_fail(j->ctx, GH_SYSTEM, "standard output: cannot write");
   return GH_OK;
 }
+
+/* ---- the packing as the point that is under control ---- */
+
+static gh_status point_evaluate(void *data, const double F[4], unsigned want, double P[4], double A[16]) {
+  return gh_rve_evaluate(((job *)data)->rve, F, want, P, A);
+}
+
+static gh_status point_commit(void *data) {
+  job *j = data;
+  rve_doubts_add(&j->doubts, gh_rve_measure(j->rve));
+  return gh_rve_commit(j->rve);
+}
+
+static gh_status point_revert(void *data) {
+  return gh_rve_revert(((job *)data)->rve);
+}
+
+static const gh_point_ops point_ops = {
+    .evaluate = point_evaluate, .commit = point_commit, .revert = point_revert};
 
 /* ---- the test ---- */
 
@@ -280,7 +302,7 @@ static gh_status element(job *j) {
   GH_TRY(cli_mpi(j->ctx, true));
   GH_TRY(gh_rve_create(j->ctx, j->packing, &a->rve, &j->rve));
   if (a->load) GH_TRY(rve_state_load(j->ctx, a->load, j->rve, &a->rve, j->packing));
-  GH_TRY(gh_control_create_rve(j->ctx, j->rve, &a->options, &j->control));
+  GH_TRY(gh_control_create(j->ctx, &point_ops, j, &a->options, &j->control));
   GH_TRY(gh_text_create(j->ctx, &j->out));
   write_header(j);
   GH_TRY(write_file(j, false));

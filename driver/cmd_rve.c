@@ -2,6 +2,7 @@
 #include "cli.h"
 #include "contact_options.h"
 #include "path.h"
+#include "rve_doubts.h"
 #include "rve_error.h"
 #include "rve_state.h"
 
@@ -60,6 +61,7 @@ typedef struct job {
   path_rows path;
   gh_rve *rve, *whole; /* whole: a second path, in whole rows; NULL without an estimate of the error */
   rve_error error;
+  rve_doubts doubts; /* of the increment under way */
   gh_text *out, *tangent, *dump;
   double written; /* when the files were last written */
 } job;
@@ -210,11 +212,7 @@ static gh_status write_row(job *j, long step, const double A[16]) {
   }
   if (m->unjammed)
     gh_log(j->ctx, GH_LEVEL_INFO, "step %ld: unjammed, no contact carries a force: P = 0", step);
-  if (m->kept)
-    gh_log(j->ctx, GH_LEVEL_WARNING, "step %ld: relaxation went in circles; slip was kept %d times", step,
-           m->kept);
-  if (m->accepted)
-    gh_log(j->ctx, GH_LEVEL_WARNING, "step %ld: taken as it is, with a residual of %.2g", step, m->residual);
+  rve_doubts_tell(j->ctx, &j->doubts, step);
   if (m->regularised)
     gh_log(j->ctx, GH_LEVEL_WARNING, "step %ld: a mode without stiffness: the tangent is regularised", step);
   return j->dump ? write_frame(j, step) : GH_OK;
@@ -251,15 +249,15 @@ static gh_status start_of_path(job *j, double F[4]) {
 }
 
 static void count_part(void *data, const gh_rve_measures *m) {
-  gh_rve_balance_add(data, m);
+  job *j = data;
+  gh_rve_balance_add(&j->error.balance, m);
+  rve_doubts_add(&j->doubts, m);
 }
 
 /* The row on the path whose results are written. */
 static gh_status reach(job *j, long step, const double from[4], const double to[4], double A[16]) {
-  gh_rve_way way = {.halvings = j->whole ? 1 : 0,
-                    .want = j->tangent ? GH_WANT_TANGENT : 0,
-                    .count = count_part,
-                    .data = &j->error.balance};
+  gh_rve_way way = {
+      .halvings = j->whole ? 1 : 0, .want = j->tangent ? GH_WANT_TANGENT : 0, .count = count_part, .data = j};
   memcpy(way.from, from, sizeof way.from);
   memcpy(way.to, to, sizeof way.to);
   GH_TRY(gh_rve_reach(j->rve, &way, A));
