@@ -2,6 +2,8 @@
  * SPDX-License-Identifier: GPL-2.0-or-later */
 #include "cli.h"
 
+#include "granhom/io.h"
+
 #include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
@@ -110,6 +112,20 @@ int cli_engine(const cli_command *command, const char *text, gh_engine_kind *eng
 int cli_relaxation(const cli_command *command, const char *text, gh_relaxation *relaxation) {
   if (gh_relaxation_from_name(text, relaxation)) return 0;
   return cli_usage(command, "--relaxation is polished, damped or fire, not \"%s\"", text);
+}
+
+int cli_positive(const cli_command *command, const char *option, const char *text, double below,
+                 double *value) {
+  if (!gh_parse_number(text, value) || !(*value > 0))
+    return cli_usage(command, "%s must be a positive number, not \"%s\"", option, text);
+  if (*value < below) return 0;
+  return cli_usage(command, "%s must be below %g, not %g", option, below, *value);
+}
+
+int cli_integer(const cli_command *command, const char *option, const char *text, long low, long high,
+                long *value) {
+  if (gh_parse_integer(text, low, high, value)) return 0;
+  return cli_usage(command, "%s must be an integer from %ld to %ld, not \"%s\"", option, low, high, text);
 }
 
 gh_status cli_finish(gh_context *ctx, gh_status status, gh_status (*last)(void *data, bool good),

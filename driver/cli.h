@@ -46,6 +46,12 @@ void cli_abort(int code);
 int cli_boundary(const cli_command *command, const char *text, gh_boundary *boundary);
 int cli_engine(const cli_command *command, const char *text, gh_engine_kind *engine);
 int cli_relaxation(const cli_command *command, const char *text, gh_relaxation *relaxation);
+/* The value of an option that is a number above 0 and below `below`. 0, or 2 after a message. */
+int cli_positive(const cli_command *command, const char *option, const char *text, double below,
+                 double *value);
+/* ... that is an integer from low to high. */
+int cli_integer(const cli_command *command, const char *option, const char *text, long low, long high,
+                long *value);
 #define CLI_RELAXATION_HELP                                                                                  \
   "  --relaxation WORD      polished (default): damped central differences, then Newton where it is safe;\n" \
   "                         damped: damped central differences alone; fire: FIRE alone\n"

@@ -43,16 +43,6 @@ static const char help[] =
 
 /* ---- options ---- */
 
-static int positive(const char *option, const char *text, double *value) {
-  if (gh_parse_number(text, value) && *value > 0) return 0;
-  return cli_usage(&cli_crosscheck, "%s must be a positive number, not \"%s\"", option, text);
-}
-
-static int integer(const char *option, const char *text, long most, long *value) {
-  if (gh_parse_integer(text, 1, most, value)) return 0;
-  return cli_usage(&cli_crosscheck, "%s must be an integer from 1 to %ld, not \"%s\"", option, most, text);
-}
-
 static int find_engine(const char *text, size_t length) {
   for (int k = 0; k < CROSS_ENGINES; k++)
     if (strlen(cross_engines[k].word) == length && strncmp(cross_engines[k].word, text, length) == 0)
@@ -96,19 +86,19 @@ static int parse_option(int c, contact_options *contact, cross_job *j) {
   case 'e':
     return parse_engines(optarg, j);
   case 'T':
-    return positive("--tolerance", optarg, &j->rve.tolerance);
+    return cli_positive(&cli_crosscheck, "--tolerance", optarg, 1, &j->rve.tolerance);
   case 't':
-    return positive("--time-limit", optarg, &j->seconds);
+    return cli_positive(&cli_crosscheck, "--time-limit", optarg, INFINITY, &j->seconds);
   case 'n':
-    return integer("--max-steps", optarg, 1000000000, &j->rve.max_steps);
+    return cli_integer(&cli_crosscheck, "--max-steps", optarg, 1, 1000000000, &j->rve.max_steps);
   case 'w':
     return cli_relaxation(&cli_crosscheck, optarg, &j->rve.relaxation);
   case 'i':
-    status = integer("--increment-steps", optarg, 1000000, &value);
+    status = cli_integer(&cli_crosscheck, "--increment-steps", optarg, 1, 1000000, &value);
     j->steps_per_row = (int)value;
     return status;
   case 'r':
-    status = integer("--refine", optarg, CROSS_MOST_LEVELS, &value);
+    status = cli_integer(&cli_crosscheck, "--refine", optarg, 1, CROSS_MOST_LEVELS, &value);
     j->levels = (int)value;
     return status;
   default: /* b */
@@ -149,8 +139,6 @@ static int parse(int argc, char **argv, cross_job *j) {
     return cli_usage(&cli_crosscheck, "one packing is enough: what is \"%s\"?", argv[optind]);
   if (!j->path_file) return cli_usage(&cli_crosscheck, "--path is missing");
   if (!j->folder) return cli_usage(&cli_crosscheck, "-o is missing: a folder for the results");
-  if (!(j->rve.tolerance < 1))
-    return cli_usage(&cli_crosscheck, "--tolerance must be below 1, not %g", j->rve.tolerance);
   int status = contact_law(&cli_crosscheck, &contact, &j->rve.law);
   if (status == 0 && j->rve.law.hardening > 0)
     return cli_usage(&cli_crosscheck, "--hardening must be 0: the other programs have none");

@@ -74,20 +74,6 @@ typedef struct job {
 
 /* ---- options ---- */
 
-/* A number above 0 and below `below`. */
-static int positive(const char *option, const char *text, double below, double *value) {
-  if (!gh_parse_number(text, value) || !(*value > 0))
-    return cli_usage(&cli_element, "%s must be a positive number, not \"%s\"", option, text);
-  if (*value < below) return 0;
-  return cli_usage(&cli_element, "%s must be below %g, not %g", option, below, *value);
-}
-
-static int integer(const char *option, const char *text, long low, long high, long *value) {
-  if (gh_parse_integer(text, low, high, value)) return 0;
-  return cli_usage(&cli_element, "%s must be an integer from %ld to %ld, not \"%s\"", option, low, high,
-                   text);
-}
-
 static int parse_text(int c, arguments *a) {
   const char **const texts[] = {
       ['c'] = &a->control, ['p'] = &a->path, ['o'] = &a->output, ['s'] = &a->save, ['l'] = &a->load};
@@ -101,17 +87,15 @@ static int parse_option(int c, arguments *a) {
   if (status >= 0) return status;
   switch (c) {
   case 'T':
-    return positive("--tolerance", optarg, 1, &a->rve.tolerance);
+    return cli_positive(&cli_element, "--tolerance", optarg, 1, &a->rve.tolerance);
   case 'S':
-    return positive("--stress-tolerance", optarg, 1, &a->options.tolerance);
+    return cli_positive(&cli_element, "--stress-tolerance", optarg, 1, &a->options.tolerance);
   case 'n':
-    status = integer("--max-steps", optarg, 1, 1000000000, &number);
-    if (!status) a->rve.max_steps = number;
-    return status;
+    return cli_integer(&cli_element, "--max-steps", optarg, 1, 1000000000, &a->rve.max_steps);
   case 'A':
-    return positive("--accept", optarg, INFINITY, &a->rve.accept);
+    return cli_positive(&cli_element, "--accept", optarg, INFINITY, &a->rve.accept);
   case 'k':
-    status = integer("--cut-steps", optarg, 0, 30, &number);
+    status = cli_integer(&cli_element, "--cut-steps", optarg, 0, 30, &number);
     if (!status) a->options.cut_steps = (int)number;
     return status;
   case 'j':

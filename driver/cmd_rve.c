@@ -68,13 +68,7 @@ typedef struct job {
 
 /* ---- options ---- */
 
-static int positive(const char *option, const char *text, double *value) {
-  if (gh_parse_number(text, value) && *value > 0) return 0;
-  return cli_usage(&cli_rve, "%s must be a positive number, not \"%s\"", option, text);
-}
-
 static int parse_option(int c, arguments *a) {
-  long steps;
   int status = contact_option(&cli_rve, c, optarg, &a->contact);
   if (status >= 0) return status;
   switch (c) {
@@ -97,7 +91,7 @@ static int parse_option(int c, arguments *a) {
     a->load = optarg;
     return 0;
   case 'T':
-    return positive("--tolerance", optarg, &a->rve.tolerance);
+    return cli_positive(&cli_rve, "--tolerance", optarg, 1, &a->rve.tolerance);
   case 'b':
     return cli_boundary(&cli_rve, optarg, &a->rve.boundary);
   case 'e':
@@ -105,12 +99,9 @@ static int parse_option(int c, arguments *a) {
   case 'r':
     return cli_relaxation(&cli_rve, optarg, &a->rve.relaxation);
   case 'n':
-    if (!gh_parse_integer(optarg, 1, 1000000000, &steps))
-      return cli_usage(&cli_rve, "--max-steps must be a positive integer, not \"%s\"", optarg);
-    a->rve.max_steps = steps;
-    return 0;
+    return cli_integer(&cli_rve, "--max-steps", optarg, 1, 1000000000, &a->rve.max_steps);
   case 'A':
-    return positive("--accept", optarg, &a->rve.accept);
+    return cli_positive(&cli_rve, "--accept", optarg, INFINITY, &a->rve.accept);
   case 'E':
     a->estimate = true;
     return 0;
@@ -141,8 +132,6 @@ static int parse(int argc, char **argv, arguments *a) {
   a->packing = argv[optind++];
   if (optind < argc) return cli_usage(&cli_rve, "one packing is enough: what is \"%s\"?", argv[optind]);
   if (!a->path) return cli_usage(&cli_rve, "--path is missing");
-  if (!(a->rve.tolerance < 1))
-    return cli_usage(&cli_rve, "--tolerance must be below 1, not %g", a->rve.tolerance);
   return contact_law(&cli_rve, &a->contact, &a->rve.law);
 }
 

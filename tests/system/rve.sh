@@ -147,7 +147,7 @@ o="-o out.csv --tangent tan.csv --dump a.dump --save-state s.h5"
   done
   refused "tolerance 1" "--tolerance must be below 1" $p --path ../path.csv --tolerance 1 $o
   for value in 0 -3 1.5 many; do
-    refused "--max-steps $value" "--max-steps must be a positive integer, not \"$value\"" $p --path ../path.csv --max-steps "$value" $o
+    refused "--max-steps $value" "--max-steps must be an integer from 1 to 1000000000, not \"$value\"" $p --path ../path.csv --max-steps "$value" $o
   done
   refused "missing packing" "none.data: " none.data --path ../path.csv $o
   refused "missing path" "none.csv: " $p --path none.csv $o
