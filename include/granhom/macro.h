@@ -94,6 +94,8 @@ typedef struct gh_macro_options {
   bool line_search;   /* default true */
   int memory; /* a step of the line search is compared with the largest of the last so many residuals of this
                  part, 1 to GH_MACRO_MEMORY; default 1 */
+  double memory_above; /* ... as long as its own is larger than this times the scale of `tolerance`; default
+                          0: always */
   bool pass_jumps; /* default true: when the cuts are spent, commit the states beyond a jump of the packings
                       and go on (method 6) */
   gh_tangent tangent; /* default: algorithmic. With frozen and elastic the packings are asked for tangents at

@@ -35,6 +35,8 @@ static gh_status check_options(gh_context *ctx, const gh_macro_options *o) {
   if (o->memory < 1 || o->memory > GH_MACRO_MEMORY)
     return gh_fail(ctx, GH_INPUT, "solver: search_memory %d must be from 1 to %d", o->memory,
                    GH_MACRO_MEMORY);
+  if (!(o->memory_above >= 0))
+    return gh_fail(ctx, GH_INPUT, "solver: memory_above %g is negative", o->memory_above);
   if (o->max_iterations < 1)
     return gh_fail(ctx, GH_INPUT, "solver: max_iterations %d must be at least 1", o->max_iterations);
   if (o->cut_steps < 0 || o->cut_steps > 40)

@@ -157,9 +157,11 @@ static void remember(gh_attempt *a) {
 
 /* What a step has to fall below. Where packings come to rest now here, now there, the residual comes down by
  * fits and starts, and steps that are shortened for it lead to no other packings: the largest of the last few
- * is what counts (Grippo, Lampariello and Lucidi, SIAM J. Numer. Anal. 23, 707, 1986). */
+ * is what counts (Grippo, Lampariello and Lucidi, SIAM J. Numer. Anal. 23, 707, 1986). Residuals so small
+ * that they are what the packings' own tolerance leaves would only wander by that. */
 static double to_beat(const gh_macro *m, const gh_attempt *a) {
-  double worst = 0;
+  double worst = a->residual;
+  if (worst <= m->options.memory_above * a->scale) return worst;
   for (int k = 0; k < m->options.memory; k++) worst = fmax(worst, a->before[k]);
   return worst;
 }

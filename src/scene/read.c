@@ -299,6 +299,8 @@ static gh_status read_start(gh_scene *s, node root) {
 
 /* Frozen and elastic tangents converge linearly, in cheap iterations. */
 enum { PATIENT_ITERATIONS = 200, AT_ONCE = 16, MOST_AT_ONCE = 1 << 10, MEMORY_WITH_BRANCHES = 5 };
+/* Over the tolerance of the packings: residuals of the body that this tolerance leaves. */
+static const double NOISE = 10;
 
 static gh_status read_tangent(gh_scene *s, node solver) {
   node n = gh_yaml_get(solver, "tangent");
@@ -326,6 +328,7 @@ static gh_status read_solver(gh_scene *s, node root) {
   node solver = gh_yaml_get(root, "solver"), n;
   s->at_once = 1;
   if (gh_rve_has_branches(&s->micro)) s->solver.memory = MEMORY_WITH_BRANCHES;
+  s->solver.memory_above = NOISE * s->micro.tolerance;
   if (!gh_yaml_has(solver)) return GH_OK;
   GH_TRY(scene_map(solver, "solver",
                    KEYS("method", "tolerance", "line_search", "search_memory", "max_iterations", "cut_steps",

@@ -337,12 +337,14 @@ static void test_dead_pressure(void **state) {
 }
 
 /* A residual that rises once: a search that wants each step to lower it shortens that step, one that compares
- * with the largest of the last few goes on with full steps, to the same end. */
+ * with the largest of the last few goes on with full steps, to the same end. It does so above a given
+ * residual alone. */
 static void test_search_memory(void **state) {
   const material rough = {.rough = 1};
-  for (int k = 0; k < 2; k++) {
+  for (int k = 0; k < 3; k++) {
     gh_macro_options o = tight();
     o.memory = k ? 5 : 1;
+    o.memory_above = k == 2 ? 1e3 : 0;
     problem p = make_block(*state, 2, 3, 1, 1, &rough, &o);
     gh_macro_set_watch(p.macro, watch, &p);
     fix(&p, "left", 0, 0);
@@ -359,7 +361,7 @@ static void test_search_memory(void **state) {
       shortest = fmin(shortest, p.line[l].step);
       rises = rises || p.line[l].residual > p.line[l - 1].residual;
     }
-    assert_true(k ? rises && shortest == 1 : !rises && shortest < 1);
+    assert_true(k == 1 ? rises && shortest == 1 : !rises && shortest < 1);
     drop(&p);
   }
   gh_macro_options o = tight();
