@@ -4,7 +4,6 @@
 #include "contact_options.h"
 #include "crosscheck.h"
 
-#include <getopt.h>
 #include <signal.h>
 #include <stdlib.h>
 #include <string.h>
@@ -69,10 +68,10 @@ static int parse_engines(const char *text, cross_job *j) {
   return cli_usage(&cli_crosscheck, "--engines must name two or more: there is nothing to compare");
 }
 
-static int parse_option(int c, contact_options *contact, cross_job *j) {
+static int parse_option(int c, void *data) {
+  cross_job *j = data;
   long value = 1;
-  int status = contact_option(&cli_crosscheck, c, optarg, contact);
-  if (status >= 0) return status;
+  int status;
   switch (c) {
   case 'p':
     j->path_file = optarg;
@@ -125,21 +124,12 @@ static int parse(int argc, char **argv, cross_job *j) {
                                           CONTACT_OPTIONS,
                                           {0, 0, 0, 0}};
   contact_options contact = {0};
-  opterr = 0;
-  optind = 1;
-  for (int c; (c = getopt_long(argc, argv, ":o:", options, NULL)) != -1;) {
-    if (c == '?') return cli_usage(&cli_crosscheck, "unknown option %s", argv[optind - 1]);
-    if (c == ':') return cli_usage(&cli_crosscheck, "%s needs a value", argv[optind - 1]);
-    int status = parse_option(c, &contact, j);
-    if (status) return status;
-  }
-  if (optind == argc) return cli_usage(&cli_crosscheck, "which packing?");
-  j->packing_file = argv[optind++];
-  if (optind < argc)
-    return cli_usage(&cli_crosscheck, "one packing is enough: what is \"%s\"?", argv[optind]);
+  int status =
+      contact_arguments(&cli_crosscheck, argc, argv, options, &contact, parse_option, j, &j->packing_file);
+  if (status) return status;
   if (!j->path_file) return cli_usage(&cli_crosscheck, "--path is missing");
   if (!j->folder) return cli_usage(&cli_crosscheck, "-o is missing: a folder for the results");
-  int status = contact_law(&cli_crosscheck, &contact, &j->rve.law);
+  status = contact_law(&cli_crosscheck, &contact, &j->rve.law);
   if (status == 0 && j->rve.law.hardening > 0)
     return cli_usage(&cli_crosscheck, "--hardening must be 0: the other programs have none");
   return status;

@@ -8,7 +8,6 @@
 
 #include "granhom/io.h"
 
-#include <getopt.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -81,10 +80,10 @@ static int parse_text(int c, arguments *a) {
   return 0;
 }
 
-static int parse_option(int c, arguments *a) {
+static int parse_option(int c, void *data) {
+  arguments *a = data;
   long number;
-  int status = contact_option(&cli_element, c, optarg, &a->contact);
-  if (status >= 0) return status;
+  int status;
   switch (c) {
   case 'T':
     return cli_positive(&cli_element, "--tolerance", optarg, 1, &a->rve.tolerance);
@@ -130,20 +129,12 @@ static int parse(int argc, char **argv, arguments *a) {
                                           {0, 0, 0, 0}};
   *a = (arguments){.rve = gh_rve_defaults(), .options = gh_control_defaults()};
   a->rve.tolerance = 1e-10;
-  opterr = 0;
-  optind = 1;
-  for (int c; (c = getopt_long(argc, argv, ":o:", options, NULL)) != -1;) {
-    if (c == '?') return cli_usage(&cli_element, "unknown option %s", argv[optind - 1]);
-    if (c == ':') return cli_usage(&cli_element, "%s needs a value", argv[optind - 1]);
-    int status = parse_option(c, a);
-    if (status) return status;
-  }
-  if (optind == argc) return cli_usage(&cli_element, "which packing?");
-  a->packing = argv[optind++];
-  if (optind < argc) return cli_usage(&cli_element, "one packing is enough: what is \"%s\"?", argv[optind]);
+  int status =
+      contact_arguments(&cli_element, argc, argv, options, &a->contact, parse_option, a, &a->packing);
+  if (status) return status;
   if (!a->control == !a->path)
     return cli_usage(&cli_element, "give one of --control and --path, which say what is prescribed");
-  int status = contact_law(&cli_element, &a->contact, &a->rve.law);
+  status = contact_law(&cli_element, &a->contact, &a->rve.law);
   a->options.stiffness = a->rve.law.normal_stiffness;
   return status;
 }
@@ -188,26 +179,12 @@ static gh_status write_file(job *j, bool last) {
   return GH_OK;
 }
 
-/* ---- the packing as the point that is under control ---- */
+/* ---- the test ---- */
 
-static gh_status point_evaluate(void *data, const double F[4], unsigned want, double P[4], double A[16]) {
-  return gh_rve_evaluate(((job *)data)->rve, F, want, P, A);
-}
-
-static gh_status point_commit(void *data) {
+static void count_part(void *data) {
   job *j = data;
   rve_doubts_add(&j->doubts, gh_rve_measure(j->rve));
-  return gh_rve_commit(j->rve);
 }
-
-static gh_status point_revert(void *data) {
-  return gh_rve_revert(((job *)data)->rve);
-}
-
-static const gh_point_ops point_ops = {
-    .evaluate = point_evaluate, .commit = point_commit, .revert = point_revert};
-
-/* ---- the test ---- */
 
 /* Where the conditions are at the begin of a step, and where they go. */
 static gh_status set_out(job *j, const element_step *s, double from[4], double to[4]) {
@@ -286,7 +263,8 @@ static gh_status element(job *j) {
   GH_TRY(cli_mpi(j->ctx, true));
   GH_TRY(gh_rve_create(j->ctx, j->packing, &a->rve, &j->rve));
   if (a->load) GH_TRY(rve_state_load(j->ctx, a->load, j->rve, &a->rve, j->packing));
-  GH_TRY(gh_control_create(j->ctx, &point_ops, j, &a->options, &j->control));
+  GH_TRY(gh_control_create_rve(j->ctx, j->rve, &a->options, &j->control));
+  gh_control_set_count(j->control, count_part, j);
   GH_TRY(gh_text_create(j->ctx, &j->out));
   write_header(j);
   GH_TRY(write_file(j, false));

@@ -9,7 +9,6 @@
 #include "granhom/io.h"
 #include "granhom/micro.h"
 
-#include <getopt.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
@@ -68,9 +67,8 @@ typedef struct job {
 
 /* ---- options ---- */
 
-static int parse_option(int c, arguments *a) {
-  int status = contact_option(&cli_rve, c, optarg, &a->contact);
-  if (status >= 0) return status;
+static int parse_option(int c, void *data) {
+  arguments *a = data;
   switch (c) {
   case 'p':
     a->path = optarg;
@@ -102,13 +100,9 @@ static int parse_option(int c, arguments *a) {
     return cli_integer(&cli_rve, "--max-steps", optarg, 1, 1000000000, &a->rve.max_steps);
   case 'A':
     return cli_positive(&cli_rve, "--accept", optarg, INFINITY, &a->rve.accept);
-  case 'E':
+  default: /* E */
     a->estimate = true;
     return 0;
-  case ':':
-    return cli_usage(&cli_rve, "%s needs a value", "the last option");
-  default:
-    return cli_usage(&cli_rve, "unknown option");
   }
 }
 
@@ -120,17 +114,8 @@ static int parse(int argc, char **argv, arguments *a) {
       {"save-state", 1, 0, 's'},     {"load-state", 1, 0, 'l'}, {"relaxation", 1, 0, 'r'},
       {"estimate-error", 0, 0, 'E'}, CONTACT_OPTIONS,           {0, 0, 0, 0}};
   *a = (arguments){.rve = gh_rve_defaults()};
-  opterr = 0;
-  optind = 1;
-  for (int c; (c = getopt_long(argc, argv, ":o:", options, NULL)) != -1;) {
-    if (c == '?') return cli_usage(&cli_rve, "unknown option %s", argv[optind - 1]);
-    if (c == ':') return cli_usage(&cli_rve, "%s needs a value", argv[optind - 1]);
-    int status = parse_option(c, a);
-    if (status) return status;
-  }
-  if (optind == argc) return cli_usage(&cli_rve, "which packing?");
-  a->packing = argv[optind++];
-  if (optind < argc) return cli_usage(&cli_rve, "one packing is enough: what is \"%s\"?", argv[optind]);
+  int status = contact_arguments(&cli_rve, argc, argv, options, &a->contact, parse_option, a, &a->packing);
+  if (status) return status;
   if (!a->path) return cli_usage(&cli_rve, "--path is missing");
   return contact_law(&cli_rve, &a->contact, &a->rve.law);
 }

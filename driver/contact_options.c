@@ -31,8 +31,7 @@ static bool take_word(const char *text, const char *first, const char *second, i
   return *value || !strcmp(text, first);
 }
 
-int contact_option(const cli_command *command, int code, const char *text, contact_options *o) {
-  if (code < CONTACT_NORMAL || code >= CONTACT_END) return -1;
+static int take_option(const cli_command *command, int code, const char *text, contact_options *o) {
   int k = code - CONTACT_NORMAL, word = 0;
   bool good;
   if (code == CONTACT_ROTATIONS) good = take_word(text, "free", "fixed", &o->fixed_rotations);
@@ -41,6 +40,23 @@ int contact_option(const cli_command *command, int code, const char *text, conta
   if (!good) return cli_usage(command, "%s must be %s, not \"%s\"", names[k], wanted[k], text);
   if (code == CONTACT_SLIP) o->slip = word ? GH_SLIP_OBJECTIVE : GH_SLIP_PROJECTED;
   o->given[k] = true;
+  return 0;
+}
+
+int contact_arguments(const cli_command *command, int argc, char **argv, const struct option *options,
+                      contact_options *o, int (*take)(int code, void *data), void *data,
+                      const char **packing) {
+  opterr = 0;
+  optind = 1;
+  for (int c, status; (c = getopt_long(argc, argv, ":o:", options, NULL)) != -1;) {
+    if (c == '?') return cli_usage(command, "unknown option %s", argv[optind - 1]);
+    if (c == ':') return cli_usage(command, "%s needs a value", argv[optind - 1]);
+    const bool known = c >= CONTACT_NORMAL && c < CONTACT_END;
+    if ((status = known ? take_option(command, c, optarg, o) : take(c, data))) return status;
+  }
+  if (optind == argc) return cli_usage(command, "which packing?");
+  *packing = argv[optind++];
+  if (optind < argc) return cli_usage(command, "one packing is enough: what is \"%s\"?", argv[optind]);
   return 0;
 }
 

@@ -1,14 +1,16 @@
-/* The contact law on a command line: options that `granhom rve` and `granhom element` share.
+/* The command line of what is done with one packing and a contact law: granhom rve, element and crosscheck.
  * SPDX-License-Identifier: GPL-2.0-or-later
  *
- * A command puts CONTACT_OPTIONS into its table of long options and CONTACT_HELP into its help, offers each
- * code that it does not know itself to contact_option(), and asks contact_law() at the end. */
+ * A command puts CONTACT_OPTIONS into its table of long options and CONTACT_HELP into its help, reads its
+ * arguments by contact_arguments(), and asks contact_law() at the end. */
 #ifndef GRANHOM_CONTACT_OPTIONS_H
 #define GRANHOM_CONTACT_OPTIONS_H
 
 #include "cli.h"
 
 #include "granhom/contact.h"
+
+#include <getopt.h>
 
 /* Above all characters, so that they meet no short option. */
 enum {
@@ -50,8 +52,11 @@ typedef struct contact_options {
   gh_slip_measure slip;
 } contact_options;
 
-/* Takes one option of getopt_long and its value. 0: taken; 2: wrong, and said so; -1: none of these. */
-int contact_option(const cli_command *command, int code, const char *text, contact_options *o);
+/* The arguments of a command: options, of which -o is the only short one, and the packing. An option that is
+ * none of the contact law goes to take(code, data), its value in optarg. 0, or 2 after a message. */
+int contact_arguments(const cli_command *command, int argc, char **argv, const struct option *options,
+                      contact_options *o, int (*take)(int code, void *data), void *data,
+                      const char **packing);
 /* The law that the options say. 0, or 2 after a message: options that exclude or need each other. */
 int contact_law(const cli_command *command, const contact_options *o, gh_contact_law *law);
 

@@ -4,16 +4,14 @@
 
 void rve_doubts_add(rve_doubts *d, const gh_rve_measures *m) {
   d->kept += m->kept;
-  if (!m->accepted) return;
-  d->accepted++;
-  d->residual = fmax(d->residual, m->residual);
+  if (m->accepted) d->residual = fmax(d->residual, m->residual);
 }
 
 void rve_doubts_tell(gh_context *ctx, rve_doubts *d, long step) {
   if (d->kept)
     gh_log(ctx, GH_LEVEL_WARNING, "step %ld: relaxation went in circles; slip was kept %d time%s", step,
            d->kept, d->kept == 1 ? "" : "s");
-  if (d->accepted)
+  if (d->residual > 0)
     gh_log(ctx, GH_LEVEL_WARNING, "step %ld: taken as it is, with a residual of %.2g", step, d->residual);
   *d = (rve_doubts){0};
 }

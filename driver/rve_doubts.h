@@ -8,8 +8,7 @@
 /* Of the parts of one increment; zero to begin with. */
 typedef struct rve_doubts {
   int kept;        /* times that slip was kept */
-  int accepted;    /* parts taken as they are, with a residual above the tolerance */
-  double residual; /* the largest of these */
+  double residual; /* the largest of parts taken as they are, above the tolerance; 0: none were */
 } rve_doubts;
 
 /* A part in equilibrium, before it is committed. */

@@ -93,6 +93,9 @@ void gh_control_destroy(gh_control **control);
 /* stop(data) is asked before each evaluation; once it says true, what runs ends with GH_STOPPED. NULL: never.
  */
 void gh_control_set_stop(gh_control *control, bool (*stop)(void *data), void *data);
+/* count(data) is told of each equilibrium before it is committed, while the point's measures are those of it.
+ * NULL: nobody. */
+void gh_control_set_count(gh_control *control, void (*count)(void *data), void *data);
 
 /* Brings the point to F and commits: the state that control begins with. Before the first gh_control_solve.
  */

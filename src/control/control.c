@@ -34,6 +34,8 @@ struct gh_control {
   gh_control_options options;
   bool (*stop)(void *data);
   void *stop_data;
+  void (*count)(void *data);
+  void *count_data;
   point_state eq; /* committed */
   bool started;
   double change; /* departure of P from its linear prediction at the best trial that failed; 0: none */
@@ -100,6 +102,11 @@ void gh_control_set_stop(gh_control *c, bool (*stop)(void *data), void *data) {
   c->stop_data = data;
 }
 
+void gh_control_set_count(gh_control *c, void (*count)(void *data), void *data) {
+  c->count = count;
+  c->count_data = data;
+}
+
 const double *gh_control_F(const gh_control *c) {
   return c->eq.F;
 }
@@ -118,6 +125,7 @@ static gh_status evaluate(gh_control *c, point_state *s) {
 }
 
 static gh_status commit(gh_control *c, const point_state *s) {
+  if (c->count) c->count(c->count_data);
   GH_TRY(c->ops.commit(c->point));
   c->eq = *s;
   return GH_OK;

@@ -371,6 +371,9 @@ static void test_search_memory(void **state) {
     o.memory = k ? GH_MACRO_MEMORY + 1 : 0;
     assert_int_equal(gh_macro_create(p.ctx, p.mesh, p.farm, &o, &other), GH_INPUT);
   }
+  o.memory = 1;
+  o.memory_above = -1;
+  assert_int_equal(gh_macro_create(p.ctx, p.mesh, p.farm, &o, &other), GH_INPUT);
   drop(&p);
 }
 
