@@ -50,17 +50,27 @@ void gh_lammps_data_destroy(gh_lammps_data **data);
 
 /* ---- text files that appear whole or not at all ---- */
 
-/* Collects text in memory; commit writes path.tmp, fsyncs, renames. Printing never fails before commit. */
+/* Collects text in memory; commit writes it under a random name beside path, fsyncs, renames: path holds all
+ * of it or what it held before, of the same permissions; a symbolic link keeps pointing where it did.
+ * Printing never fails before commit. */
 typedef struct gh_text gh_text;
 gh_status gh_text_create(gh_context *ctx, gh_text **text);
 void gh_text_destroy(gh_text **text);
 void gh_text_print(gh_text *text, const char *format, ...) GH_PRINTF(2, 3);
+/* Appends bytes of any kind. */
+gh_status gh_text_add(gh_text *text, const void *bytes, size_t length);
 const char *gh_text_get(const gh_text *text, size_t *length);
 /* Replaces what was collected. */
 gh_status gh_text_set(gh_text *text, const char *bytes, size_t length);
 gh_status gh_text_commit(gh_text *text, const char *path); /* may be called again after more printing */
-/* Flushes path.tmp-like files of other writers: fsync(tmp), rename(tmp, path), fsync(folder). */
-gh_status gh_file_replace(gh_context *ctx, const char *tmp, const char *path);
+/* A new file beside path for another writer (gnuplot), which overwrites the file of that name; the commit
+ * fsyncs it and renames it into the place of path, whose permissions it keeps. GH_SYSTEM: path cannot be
+ * written, is a folder or a device. Without a commit gh_temp_destroy removes it. */
+typedef struct gh_temp gh_temp;
+gh_status gh_temp_create(gh_context *ctx, const char *path, gh_temp **temp);
+const char *gh_temp_name(const gh_temp *temp);
+gh_status gh_temp_commit(gh_temp **temp); /* *temp is destroyed, also when this fails */
+void gh_temp_destroy(gh_temp **temp);
 /* Makes a folder (and its parents). GH_INPUT when path is a file, GH_SYSTEM otherwise. */
 gh_status gh_folder_make(gh_context *ctx, const char *path);
 /* dir + "/" + name; name alone when it is absolute. Caller frees. NULL when out of memory. */
@@ -120,7 +130,7 @@ typedef struct gh_h5 gh_h5;
 /* false: built without HDF5 (make HDF5=0). Then gh_h5_open and gh_h5_read fail, GH_INPUT, and say so. */
 bool gh_h5_available(void);
 /* Opens a file for change, with what path holds when it exists and append is true. It is kept in memory until
- * gh_h5_commit puts it into place by way of path.tmp: HDF5 1.10 itself does not survive a full disk. A
+ * gh_h5_commit puts it into place as a text is: HDF5 1.10 itself does not survive a full disk. A
  * dataset that is put again is replaced. */
 gh_status gh_h5_open(gh_context *ctx, const char *path, bool append, gh_h5 **file);
 /* Opens for reading. GH_INPUT: missing or no HDF5 file. */

@@ -7,11 +7,11 @@
 
 #include <locale.h>
 
-/* ---- text.c: files as a whole ---- */
+/* ---- replace.c: files as a whole ---- */
 
-/* Writes length bytes so that path holds either all of them or what it held before: path.tmp, fsync, rename.
- * A device or a pipe is written directly, a symbolic link keeps pointing where it did. GH_SYSTEM with the
- * reason. */
+/* Writes length bytes so that path holds either all of them or what it held before: another name, fsync,
+ * rename. A device or a pipe is written directly, a symbolic link keeps pointing where it did, the permissions
+ * of a file that is replaced stay. GH_SYSTEM with the reason. */
 gh_status gh_file_write(gh_context *ctx, const char *path, const void *bytes, size_t length);
 
 /* ---- read.c ---- */

@@ -1,14 +1,12 @@
-/* Files that appear whole or not at all, folders, paths. SPDX-License-Identifier: GPL-2.0-or-later */
+/* Text in memory, folders, paths. SPDX-License-Identifier: GPL-2.0-or-later */
 #include "io/file.h"
 
 #include <errno.h>
-#include <fcntl.h>
 #include <libgen.h>
 #include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
-#include <unistd.h>
 
 struct gh_text {
   gh_context *ctx;
@@ -52,6 +50,16 @@ void gh_text_print(gh_text *t, const char *format, ...) {
   va_end(args);
 }
 
+gh_status gh_text_add(gh_text *t, const void *bytes, size_t length) {
+  gh_status s = gh_grow(t->ctx, t->length + length + 1, 1, &t->capacity, &t->bytes);
+  t->failed = t->failed || s != GH_OK;
+  if (s != GH_OK) return s;
+  memcpy(t->bytes + t->length, bytes, length);
+  t->length += length;
+  t->bytes[t->length] = 0;
+  return GH_OK;
+}
+
 gh_status gh_text_set(gh_text *t, const char *bytes, size_t length) {
   GH_TRY(gh_grow(t->ctx, length + 1, 1, &t->capacity, &t->bytes));
   memcpy(t->bytes, bytes, length);
@@ -72,95 +80,15 @@ gh_status gh_text_commit(gh_text *t, const char *path) {
   return gh_file_write(t->ctx, path, t->bytes, t->length);
 }
 
-/* ---- whole files ---- */
-
-static gh_status cannot(gh_context *ctx, const char *path, const char *what, int reason) {
-  return gh_fail(ctx, GH_SYSTEM, "%s: cannot %s: %s", path, what, strerror(reason));
-}
-
-/* 0, or errno of what went wrong. */
-static int write_all(int fd, const char *bytes, size_t length) {
-  while (length > 0) {
-    ssize_t n = write(fd, bytes, length);
-    if (n < 0 && errno == EINTR) continue;
-    if (n < 0) return errno;
-    bytes += n;
-    length -= (size_t)n;
-  }
-  return 0;
-}
-
-/* Makes the rename itself last. Not every file system can do that for folders, and the file is complete by
- * now: only a device error counts. */
-static int sync_folder(const char *path) {
-  char *folder = gh_path_folder(path);
-  if (!folder) return ENOMEM;
-  int fd = open(folder, O_RDONLY | O_DIRECTORY | O_CLOEXEC), reason = 0;
-  free(folder);
-  if (fd < 0) return 0;
-  if (fsync(fd) != 0 && errno == EIO) reason = EIO;
-  close(fd);
-  return reason;
-}
-
-gh_status gh_file_replace(gh_context *ctx, const char *tmp, const char *path) {
-  int fd = open(tmp, O_RDONLY | O_CLOEXEC);
-  if (fd < 0) return cannot(ctx, tmp, "open", errno);
-  int reason = fsync(fd) == 0 ? 0 : errno;
-  if (close(fd) != 0 && !reason && errno != EINTR) reason = errno;
-  if (!reason && rename(tmp, path) != 0) reason = errno;
-  if (reason) {
-    unlink(tmp);
-    return cannot(ctx, path, "write", reason);
-  }
-  reason = sync_folder(path);
-  return reason ? cannot(ctx, path, "write", reason) : GH_OK;
-}
-
-static gh_status write_by_rename(gh_context *ctx, const char *path, const void *bytes, size_t length) {
-  size_t size = strlen(path) + sizeof ".tmp";
-  char *tmp;
-  GH_TRY(gh_alloc(ctx, size, 1, &tmp));
-  snprintf(tmp, size, "%s.tmp", path);
-  int fd = open(tmp, O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
-  gh_status s = fd < 0 ? cannot(ctx, path, "write", errno) : GH_OK;
-  if (s == GH_OK) {
-    int reason = write_all(fd, bytes, length);
-    if (close(fd) != 0 && !reason && errno != EINTR) reason = errno;
-    if (reason) {
-      unlink(tmp);
-      s = cannot(ctx, path, "write", reason);
-    }
-  }
-  if (s == GH_OK) s = gh_file_replace(ctx, tmp, path);
-  free(tmp);
-  return s;
-}
-
-gh_status gh_file_write(gh_context *ctx, const char *path, const void *bytes, size_t length) {
-  struct stat info;
-  bool there = stat(path, &info) == 0;
-  if (there && S_ISDIR(info.st_mode)) return cannot(ctx, path, "write", EISDIR);
-  if (there && !S_ISREG(info.st_mode)) { /* a rename would put a file in place of /dev/null */
-    int fd = open(path, O_WRONLY | O_CLOEXEC);
-    int reason = fd < 0 ? errno : write_all(fd, bytes, length);
-    if (fd >= 0 && close(fd) != 0 && !reason && errno != EINTR) reason = errno;
-    return reason ? cannot(ctx, path, "write", reason) : GH_OK;
-  }
-  char *real = there ? realpath(path, NULL) : NULL; /* behind a link stands the file that is meant */
-  gh_status s = write_by_rename(ctx, real ? real : path, bytes, length);
-  free(real);
-  return s;
-}
-
 /* ---- folders and paths ---- */
 
 /* One folder whose parent exists. */
-static gh_status make_one(gh_context *ctx, const char *path) {
+static gh_status folder_make_one(gh_context *ctx, const char *path) {
   struct stat info;
   if (mkdir(path, 0777) == 0) return GH_OK;
   int reason = errno;
-  if (stat(path, &info) != 0) return cannot(ctx, path, "make the folder", reason);
+  if (stat(path, &info) != 0)
+    return gh_fail(ctx, GH_SYSTEM, "%s: cannot make the folder: %s", path, strerror(reason));
   if (!S_ISDIR(info.st_mode)) return gh_fail(ctx, GH_INPUT, "%s: is a file, a folder is wanted", path);
   return GH_OK;
 }
@@ -174,7 +102,7 @@ gh_status gh_folder_make(gh_context *ctx, const char *path) {
     if (*p && *p != '/') continue;
     char end = *p;
     *p = 0;
-    s = make_one(ctx, part);
+    s = folder_make_one(ctx, part);
     if (!end) break;
     *p = end;
   }

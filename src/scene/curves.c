@@ -16,8 +16,8 @@ static void quote(FILE *out, const char *text) {
   fputc('\'', out);
 }
 
-/* Runs gnuplot on the script, which writes `tmp`; then puts that into place. */
-static gh_status draw(gh_context *ctx, const char *script, const char *tmp, const char *png) {
+/* Runs gnuplot on the script, which writes the new file; then puts that into place. */
+static gh_status draw(gh_context *ctx, const char *script, gh_temp **temp, const char *png) {
   int code = system("command -v gnuplot >/dev/null 2>&1");
   if (code != 0)
     return gh_fail(ctx, GH_SYSTEM, "%s: gnuplot is not installed (Debian: apt-get install gnuplot-nox)", png);
@@ -25,30 +25,27 @@ static gh_status draw(gh_context *ctx, const char *script, const char *tmp, cons
   if (!gnuplot) return gh_fail(ctx, GH_SYSTEM, "%s: gnuplot cannot be started: %s", png, strerror(errno));
   fputs(script, gnuplot);
   code = pclose(gnuplot);
-  if (code == -1 || !WIFEXITED(code) || WEXITSTATUS(code) != 0) {
-    unlink(tmp);
+  if (code == -1 || !WIFEXITED(code) || WEXITSTATUS(code) != 0)
     return gh_fail(ctx, GH_SYSTEM, "%s: gnuplot failed (status %d)", png,
                    code == -1 ? -1 : WEXITSTATUS(code));
-  }
-  return gh_file_replace(ctx, tmp, png);
+  return gh_temp_commit(temp);
 }
 
-/* A script of gnuplot in memory; it draws into tmp. */
+/* A script of gnuplot in memory; it draws into temp. */
 typedef struct drawing {
   FILE *out;
-  char *script, *tmp; /* script: whole once out is closed */
+  char *script; /* whole once out is closed */
+  gh_temp *temp;
   size_t length;
 } drawing;
 
 static gh_status drawing_begin(gh_context *ctx, const char *png, int width, int height, drawing *d) {
-  size_t size = strlen(png) + 5;
-  GH_TRY(gh_alloc(ctx, size, 1, &d->tmp));
-  snprintf(d->tmp, size, "%s.tmp", png);
+  GH_TRY(gh_temp_create(ctx, png, &d->temp));
   d->out = open_memstream(&d->script, &d->length);
   if (!d->out) return gh_fail(ctx, GH_MEMORY, "no memory for a script of gnuplot");
   fprintf(d->out, "set terminal pngcairo size %d,%d enhanced font 'sans,13' linewidth 1.6\n", width, height);
   fprintf(d->out, "set encoding utf8\nset output ");
-  quote(d->out, d->tmp);
+  quote(d->out, gh_temp_name(d->temp));
   fprintf(d->out,
           "\nset grid lc rgb '#dddddd' lw 0.6\nset border 3\nset tics nomirror\nset key noenhanced\n");
   return GH_OK;
@@ -58,9 +55,9 @@ static gh_status drawing_begin(gh_context *ctx, const char *png, int width, int 
 static gh_status drawing_end(gh_context *ctx, drawing *d, const char *png, gh_status status) {
   bool bad = d->out && fclose(d->out) != 0;
   if (status == GH_OK && bad) status = gh_fail(ctx, GH_MEMORY, "no memory for a script of gnuplot");
-  if (status == GH_OK) status = draw(ctx, d->script, d->tmp, png);
+  if (status == GH_OK) status = draw(ctx, d->script, &d->temp, png);
   free(d->script);
-  free(d->tmp);
+  gh_temp_destroy(&d->temp);
   return status;
 }
 

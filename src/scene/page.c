@@ -29,17 +29,16 @@ bool scene_has_ending(const char *path, const char *ending) {
   return n > m && strcmp(path + n - m, ending) == 0;
 }
 
-static cairo_status_t collect(void *text, const unsigned char *bytes, unsigned int length) {
-  gh_text_print(text, "%.*s", (int)length, (const char *)bytes);
-  return CAIRO_STATUS_SUCCESS;
+static cairo_status_t bytes_collect(void *text, const unsigned char *bytes, unsigned int length) {
+  return gh_text_add(text, bytes, length) == GH_OK ? CAIRO_STATUS_SUCCESS : CAIRO_STATUS_NO_MEMORY;
 }
 
 gh_status scene_page_open(gh_context *ctx, scene_page *p, int width, int height, const char *path) {
   *p = (scene_page){.ctx = ctx, .width = width, .height = height};
-  if (scene_has_ending(path, ".svg")) {
-    GH_TRY(gh_text_create(ctx, &p->svg));
-    p->surface = cairo_svg_surface_create_for_stream(collect, p->svg, width, height);
-  } else p->surface = cairo_image_surface_create(CAIRO_FORMAT_RGB24, width, height);
+  GH_TRY(gh_text_create(ctx, &p->bytes));
+  p->svg = scene_has_ending(path, ".svg");
+  if (p->svg) p->surface = cairo_svg_surface_create_for_stream(bytes_collect, p->bytes, width, height);
+  else p->surface = cairo_image_surface_create(CAIRO_FORMAT_RGB24, width, height);
   p->c = cairo_create(p->surface);
   if (cairo_status(p->c) != CAIRO_STATUS_SUCCESS) return gh_fail(ctx, GH_MEMORY, "no memory for a picture");
   cairo_set_source_rgb(p->c, 1, 1, 1);
@@ -53,32 +52,19 @@ gh_status scene_page_open(gh_context *ctx, scene_page *p, int width, int height,
 void scene_page_close(scene_page *p) {
   if (p->c) cairo_destroy(p->c);
   if (p->surface) cairo_surface_destroy(p->surface);
-  gh_text_destroy(&p->svg);
-}
-
-static gh_status write_svg(scene_page *p, const char *svg) {
-  cairo_surface_finish(p->surface);
-  if (cairo_surface_status(p->surface) != CAIRO_STATUS_SUCCESS)
-    return gh_fail(p->ctx, GH_MEMORY, "%s: cannot be drawn: %s", svg,
-                   cairo_status_to_string(cairo_surface_status(p->surface)));
-  return gh_text_commit(p->svg, svg);
-}
-
-static gh_status write_png(scene_page *p, const char *png) {
-  size_t length = strlen(png) + 5;
-  char *tmp;
-  GH_TRY(gh_alloc(p->ctx, length, 1, &tmp));
-  snprintf(tmp, length, "%s.tmp", png);
-  cairo_status_t s = cairo_surface_write_to_png(p->surface, tmp);
-  gh_status status = s == CAIRO_STATUS_SUCCESS ? gh_file_replace(p->ctx, tmp, png)
-                                               : gh_fail(p->ctx, GH_SYSTEM, "%s: cannot be written: %s", png,
-                                                         cairo_status_to_string(s));
-  free(tmp);
-  return status;
+  gh_text_destroy(&p->bytes);
 }
 
 gh_status scene_page_write(scene_page *p, const char *path) {
-  return p->svg ? write_svg(p, path) : write_png(p, path);
+  cairo_status_t s;
+  if (p->svg) {
+    cairo_surface_finish(p->surface);
+    s = cairo_surface_status(p->surface);
+  } else {
+    s = cairo_surface_write_to_png_stream(p->surface, bytes_collect, p->bytes);
+  }
+  if (s == CAIRO_STATUS_SUCCESS) return gh_text_commit(p->bytes, path);
+  return gh_fail(p->ctx, GH_MEMORY, "%s: cannot be drawn: %s", path, cairo_status_to_string(s));
 }
 
 /* Fits [low, high] into the pixels [x, x + w] x [y, y + h], in the middle. */

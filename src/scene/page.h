@@ -15,13 +15,14 @@ typedef struct scene_page {
   cairo_t *c;
   double low[2], scale, left, bottom; /* pixel = left + scale (x - low), bottom - scale (y - low) */
   int width, height;
-  gh_text *svg; /* collects an SVG; NULL: pixels for a PNG */
+  gh_text *bytes; /* of the file */
+  bool svg;       /* otherwise pixels for a PNG */
 } scene_page;
 
 /* The ending of `path` chooses: .svg, else pixels. */
 gh_status scene_page_open(gh_context *ctx, scene_page *p, int width, int height, const char *path);
 void scene_page_close(scene_page *p);
-/* To PATH.tmp, then into place. The last thing done with a page. */
+/* The file appears whole. The last thing done with a page. */
 gh_status scene_page_write(scene_page *p, const char *path);
 bool scene_has_ending(const char *path, const char *ending);
 /* Fits [low, high] into the pixels [x, x + w] x [y, y + h], in the middle. */

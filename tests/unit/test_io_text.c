@@ -2,6 +2,7 @@
 #include "test_io.h"
 
 #include <fcntl.h>
+#include <sys/wait.h>
 
 static void assert_file(const char *path, const char *wanted) {
   size_t length;
@@ -100,18 +101,154 @@ static void places_that_cannot_be_written(void **state) {
   gh_text_destroy(&text);
 }
 
-/* A text of another writer takes the file's place; one that cannot is removed. */
+static mode_t mode_of(const char *path) {
+  struct stat info;
+  assert_int_equal(stat(path, &info), 0);
+  return info.st_mode & 07777;
+}
+
+/* Entries of a folder, hidden ones included. */
+static int count_all(const char *folder) {
+  int n = 0;
+  DIR *dir = opendir(folder);
+  assert_non_null(dir);
+  for (struct dirent *e; (e = readdir(dir));)
+    n += strcmp(e->d_name, ".") != 0 && strcmp(e->d_name, "..") != 0;
+  closedir(dir);
+  return n;
+}
+
+static void write_name(const char *path, const char *text) {
+  FILE *file = fopen(path, "w");
+  assert_non_null(file);
+  assert_true(fputs(text, file) >= 0);
+  assert_int_equal(fclose(file), 0);
+}
+
+/* What another writer puts into the new file takes the place of the old one with the commit, keeps its
+ * permissions, and leaves nothing without a commit. */
 static void other_writers_replace_files(void **state) {
   place *p = *state;
-  const char *path = put_file(p, "a", "before"), *tmp = put_file(p, "b", "after");
-  assert_int_equal(gh_file_replace(p->ctx, tmp, path), GH_OK);
+  const char *path = put_file(p, "a", "before");
+  gh_temp *t, *u;
+  assert_int_equal(chmod(path, 0640), 0);
+  assert_int_equal(gh_temp_create(p->ctx, path, &t), GH_OK);
+  assert_int_equal(gh_temp_create(p->ctx, path, &u), GH_OK);
+  assert_string_not_equal(gh_temp_name(t), gh_temp_name(u));
+  assert_int_equal(mode_of(gh_temp_name(t)), 0600);
+  write_name(gh_temp_name(t), "after");
+  assert_file(path, "before");
+  assert_int_equal(gh_temp_commit(&t), GH_OK);
+  assert_null(t);
   assert_file(path, "after");
-  assert_int_equal(count_entries(p->folder), 1);
-  assert_int_equal(gh_file_replace(p->ctx, tmp, path), GH_SYSTEM);
-  assert_message(p, tmp, ": cannot open: No such file or directory");
-  put_file(p, "b", "again");
-  assert_int_equal(gh_file_replace(p->ctx, tmp, p->folder), GH_SYSTEM);
-  assert_int_equal(access(tmp, F_OK), -1);
+  assert_int_equal(mode_of(path), 0640);
+  gh_temp_destroy(&u);
+  assert_null(u);
+  gh_temp_destroy(&u);
+  assert_int_equal(count_all(p->folder), 1);
+}
+
+/* A new file that cannot take its place is removed. */
+static void what_cannot_be_replaced_leaves_nothing(void **state) {
+  place *p = *state;
+  const char *path = in_folder(p, "a");
+  gh_temp *t;
+  assert_int_equal(gh_temp_create(p->ctx, p->folder, &t), GH_SYSTEM);
+  assert_null(t);
+  assert_message(p, p->folder, ": cannot write: Is a directory");
+  assert_int_equal(gh_temp_create(p->ctx, "/dev/null", &t), GH_SYSTEM);
+  assert_int_equal(gh_temp_create(p->ctx, path, &t), GH_OK);
+  assert_int_equal(mkdir(path, 0700), 0);
+  assert_int_equal(gh_temp_commit(&t), GH_SYSTEM);
+  assert_message(p, path, ": cannot write: Is a directory");
+  assert_int_equal(count_all(p->folder), 1);
+}
+
+/* A file that is replaced keeps its permissions; a new one has those that the umask leaves. */
+static void permissions_are_kept(void **state) {
+  static const mode_t modes[] = {0600, 0664, 0755, 0444};
+  place *p = *state;
+  const char *path = put_file(p, "a", "before"), *fresh = in_folder(p, "new");
+  gh_text *text;
+  assert_int_equal(gh_text_create(p->ctx, &text), GH_OK);
+  for (size_t k = 0; k < sizeof modes / sizeof *modes; k++) {
+    if (!(modes[k] & 0200) && geteuid() != 0) continue;
+    assert_int_equal(chmod(path, modes[k]), 0);
+    assert_int_equal(gh_text_commit(text, path), GH_OK);
+    assert_int_equal(mode_of(path), modes[k]);
+  }
+  mode_t before = umask(027);
+  assert_int_equal(gh_text_commit(text, fresh), GH_OK);
+  umask(before);
+  assert_int_equal(mode_of(fresh), 0640);
+  gh_text_destroy(&text);
+}
+
+/* Links at names that a program might use for its new file are not followed, and stay. */
+static void links_at_other_names_are_not_followed(void **state) {
+  place *p = *state;
+  const char *path = in_folder(p, "o.csv"), *victim = put_file(p, "victim", "mine");
+  gh_text *text;
+  assert_int_equal(symlink("victim", in_folder(p, "o.csv.tmp")), 0);
+  assert_int_equal(gh_text_create(p->ctx, &text), GH_OK);
+  gh_text_print(text, "results");
+  assert_int_equal(gh_text_commit(text, path), GH_OK);
+  assert_file(path, "results");
+  assert_file(victim, "mine");
+  struct stat info;
+  assert_int_equal(lstat(path, &info), 0);
+  assert_true(S_ISREG(info.st_mode));
+  assert_int_equal(count_all(p->folder), 3);
+  gh_text_destroy(&text);
+}
+
+/* Links to links, to a file that is not there yet, and in a circle. */
+static void links_are_followed_to_their_end(void **state) {
+  place *p = *state;
+  const char *sub = in_folder(p, "sub"), *link = in_folder(p, "link");
+  gh_text *text;
+  assert_int_equal(mkdir(sub, 0700), 0);
+  assert_int_equal(symlink("sub/second", link), 0);
+  assert_int_equal(symlink("../a.txt", in_folder(p, "sub/second")), 0);
+  assert_int_equal(gh_text_create(p->ctx, &text), GH_OK);
+  for (int k = 0; k < 2; k++) { /* made, and then replaced */
+    gh_text_print(text, "x");
+    assert_int_equal(gh_text_commit(text, link), GH_OK);
+    assert_file(in_folder(p, "a.txt"), k == 0 ? "x" : "xx");
+  }
+  assert_int_equal(count_all(p->folder), 3);
+  assert_int_equal(symlink("round", in_folder(p, "round")), 0);
+  assert_int_equal(gh_text_commit(text, in_folder(p, "round")), GH_SYSTEM);
+  gh_text_destroy(&text);
+}
+
+/* Processes that write one file at the same time: it is always one of their texts, whole. */
+static void writers_at_the_same_time_do_not_mix(void **state) {
+  enum { WRITERS = 4, ROUNDS = 25, LENGTH = 30000 };
+  place *p = *state;
+  const char *path = in_folder(p, "same");
+  pid_t child[WRITERS];
+  for (int w = 0; w < WRITERS; w++) {
+    child[w] = fork();
+    assert_true(child[w] >= 0);
+    if (child[w] > 0) continue;
+    gh_text *text;
+    bool fine = gh_text_create(p->ctx, &text) == GH_OK;
+    for (int k = 0; k < LENGTH * (w + 1); k++) gh_text_print(text, "%c", 'a' + w);
+    for (int k = 0; k < ROUNDS; k++) fine = gh_text_commit(text, path) == GH_OK && fine;
+    _exit(fine ? 0 : 1);
+  }
+  for (int w = 0; w < WRITERS; w++) {
+    int status;
+    assert_int_equal(waitpid(child[w], &status, 0), child[w]);
+    assert_true(WIFEXITED(status) && WEXITSTATUS(status) == 0);
+  }
+  size_t length;
+  char *text = get_file(path, &length);
+  assert_int_equal(length, (size_t)LENGTH * (size_t)(text[0] - 'a' + 1));
+  for (size_t k = 0; k < length; k++) assert_int_equal(text[k], text[0]);
+  free(text);
+  assert_int_equal(count_all(p->folder), 1);
 }
 
 /* Folders are made with their parents, twice too; files in the way are wrong input, a system that refuses is
@@ -161,6 +298,11 @@ int main(void) {
                                      TEST(links_stay),
                                      TEST(places_that_cannot_be_written),
                                      TEST(other_writers_replace_files),
+                                     TEST(what_cannot_be_replaced_leaves_nothing),
+                                     TEST(permissions_are_kept),
+                                     TEST(links_at_other_names_are_not_followed),
+                                     TEST(links_are_followed_to_their_end),
+                                     TEST(writers_at_the_same_time_do_not_mix),
                                      TEST(folders_are_made),
                                      TEST(paths_are_joined_and_cut)};
   return cmocka_run_group_tests(tests, NULL, NULL);

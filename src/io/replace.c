@@ -1,0 +1,273 @@
+/* Files that appear whole or not at all. SPDX-License-Identifier: GPL-2.0-or-later
+ *
+ * What is to become a file is written under another name in the same folder, fsynced and renamed. That name
+ * is random and made with O_EXCL: programs that write the same file at the same time do not meet, and what
+ * others have put there is neither followed nor overwritten. Where the system can, the new file has no name
+ * at all until it is complete (O_TMPFILE), so that a killed program leaves nothing behind. */
+#define _GNU_SOURCE
+#include "io/file.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/random.h>
+#include <sys/stat.h>
+#include <time.h>
+#include <unistd.h>
+
+enum { MOST_LINKS = 40, MOST_NAMES = 100 };
+
+struct gh_temp {
+  gh_context *ctx;
+  char *path;   /* as the caller calls it, for messages */
+  char *target; /* the file itself, behind symbolic links */
+  char *name;   /* of the new file; it exists when `named` */
+  int fd;
+  bool there, named; /* there: the target exists */
+  bool unable;       /* this system cannot make a file without a name, or cannot give it one */
+  struct stat old;   /* of the target that is there */
+};
+
+static gh_status cannot_write(gh_context *ctx, const char *path, int reason) {
+  return gh_fail(ctx, GH_SYSTEM, "%s: cannot write: %s", path, strerror(reason));
+}
+
+/* 0, or errno of what went wrong. */
+static int write_all(int fd, const char *bytes, size_t length) {
+  while (length > 0) {
+    ssize_t n = write(fd, bytes, length);
+    if (n < 0 && errno == EINTR) continue;
+    if (n < 0) return errno;
+    bytes += n;
+    length -= (size_t)n;
+  }
+  return 0;
+}
+
+/* ---- the target ---- */
+
+/* One step along a symbolic link: *path becomes what it names. 0, or errno. */
+static int link_follow(char **path) {
+  char name[4096];
+  ssize_t n = readlink(*path, name, sizeof name - 1);
+  if (n < 0) return errno;
+  name[n] = 0;
+  char *folder = gh_path_folder(*path), *next = folder ? gh_path_join(folder, name) : NULL;
+  free(folder);
+  if (!next) return ENOMEM;
+  free(*path);
+  *path = next;
+  return 0;
+}
+
+/* The file behind symbolic links, also where the last of them leads to a file that is still to be made. */
+static int target_find(const char *path, char **target) {
+  struct stat info;
+  int reason = 0;
+  *target = strdup(path);
+  if (!*target) return ENOMEM;
+  for (int k = 0; !reason && lstat(*target, &info) == 0 && S_ISLNK(info.st_mode); k++)
+    reason = k < MOST_LINKS ? link_follow(target) : ELOOP;
+  return reason;
+}
+
+/* A file that its owner has made read-only is not replaced, though its folder would allow that. */
+static int target_check(gh_temp *t) {
+  int reason = target_find(t->path, &t->target);
+  if (reason) return reason;
+  t->there = stat(t->target, &t->old) == 0;
+  if (!t->there) return errno == ENOENT ? 0 : errno;
+  if (S_ISDIR(t->old.st_mode)) return EISDIR;
+  return faccessat(AT_FDCWD, t->target, W_OK, AT_EACCESS) == 0 ? 0 : errno;
+}
+
+/* ---- the new file ---- */
+
+static uint64_t random_bits(void) {
+  uint64_t bits;
+  if (getrandom(&bits, sizeof bits, GRND_NONBLOCK) == (ssize_t)sizeof bits) return bits;
+  struct timespec now; /* O_EXCL keeps names apart all the same */
+  clock_gettime(CLOCK_MONOTONIC, &now);
+  return ((uint64_t)now.tv_nsec << 32) ^ ((uint64_t)now.tv_sec << 20) ^ (uint64_t)getpid();
+}
+
+/* A new name in the target's folder. 0, or ENOMEM. */
+static int name_draw(gh_temp *t) {
+  char base[40];
+  snprintf(base, sizeof base, ".granhom-%016llx.tmp", (unsigned long long)random_bits());
+  char *folder = gh_path_folder(t->target);
+  free(t->name);
+  t->name = folder ? gh_path_join(folder, base) : NULL;
+  free(folder);
+  return t->name ? 0 : ENOMEM;
+}
+
+/* Until it is complete nobody else may read what takes the place of a file that nobody else may read. */
+static mode_t mode_at_first(const gh_temp *t) {
+  return t->there ? 0600 : 0666;
+}
+
+static int open_named(gh_temp *t) {
+  int reason = EEXIST;
+  for (int k = 0; k < MOST_NAMES && reason == EEXIST; k++) {
+    reason = name_draw(t);
+    if (reason) return reason;
+    t->fd = open(t->name, O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, mode_at_first(t));
+    reason = t->fd < 0 ? errno : 0;
+  }
+  t->named = !reason;
+  return reason;
+}
+
+static int open_nameless(gh_temp *t) {
+  char *folder = gh_path_folder(t->target);
+  if (!folder) return ENOMEM;
+  t->fd = open(folder, O_WRONLY | O_TMPFILE | O_CLOEXEC, mode_at_first(t));
+  int reason = t->fd < 0 ? errno : 0;
+  free(folder);
+  t->unable = reason != 0;
+  return reason;
+}
+
+/* A nameless file gets a name. */
+static int name_give(gh_temp *t) {
+  char self[40];
+  int reason = EEXIST;
+  snprintf(self, sizeof self, "/proc/self/fd/%d", t->fd);
+  for (int k = 0; k < MOST_NAMES && reason == EEXIST; k++) {
+    reason = name_draw(t);
+    if (reason) return reason;
+    reason = linkat(AT_FDCWD, self, AT_FDCWD, t->name, AT_SYMLINK_FOLLOW) == 0 ? 0 : errno;
+  }
+  t->named = !reason;
+  t->unable = reason != 0;
+  return reason;
+}
+
+/* Owner and permissions of the file that is replaced. Another owner can be kept by root alone. */
+static int mode_keep(const gh_temp *t) {
+  if (!t->there) return 0;
+  if (t->old.st_uid != geteuid() || t->old.st_gid != getegid()) {
+    int kept = fchown(t->fd, t->old.st_uid, t->old.st_gid);
+    (void)kept;
+  }
+  if (fchmod(t->fd, t->old.st_mode & 0777) == 0) return 0;
+  return errno == EPERM || errno == EOPNOTSUPP ? 0 : errno; /* some file systems have no permissions */
+}
+
+/* Makes the rename itself last. Not every file system can do that for folders, and the file is complete by
+ * now: only a device error counts. */
+static int folder_sync(const char *path) {
+  char *folder = gh_path_folder(path);
+  if (!folder) return ENOMEM;
+  int fd = open(folder, O_RDONLY | O_DIRECTORY | O_CLOEXEC), reason = 0;
+  free(folder);
+  if (fd < 0) return 0;
+  if (fsync(fd) != 0 && errno == EIO) reason = EIO;
+  close(fd);
+  return reason;
+}
+
+/* The new file is on disk and has a name; its descriptor is closed. */
+static int file_complete(gh_temp *t) {
+  int reason = mode_keep(t);
+  if (!reason && fsync(t->fd) != 0) reason = errno;
+  if (!reason && !t->named) reason = name_give(t);
+  if (close(t->fd) != 0 && !reason && errno != EINTR) reason = errno;
+  t->fd = -1;
+  return reason;
+}
+
+static int file_replace(gh_temp *t) {
+  if (rename(t->name, t->target) != 0) return errno;
+  t->named = false;
+  return folder_sync(t->target);
+}
+
+static int temp_open(gh_context *ctx, const char *path, gh_temp *t) {
+  *t = (gh_temp){.ctx = ctx, .fd = -1, .path = strdup(path)};
+  return t->path ? target_check(t) : ENOMEM;
+}
+
+/* Drops a new file that has not taken its place. */
+static void file_drop(gh_temp *t) {
+  if (t->fd >= 0) close(t->fd);
+  if (t->named) unlink(t->name);
+  t->fd = -1;
+  t->named = false;
+}
+
+static void temp_close(gh_temp *t) {
+  file_drop(t);
+  free(t->path);
+  free(t->target);
+  free(t->name);
+}
+
+/* ---- for other writers ---- */
+
+gh_status gh_temp_create(gh_context *ctx, const char *path, gh_temp **temp) {
+  gh_temp *t;
+  *temp = NULL;
+  GH_TRY(gh_alloc(ctx, 1, sizeof *t, &t));
+  int reason = temp_open(ctx, path, t);
+  if (!reason && t->there && !S_ISREG(t->old.st_mode)) reason = EINVAL;
+  if (!reason) reason = open_named(t);
+  if (!reason) *temp = t;
+  else gh_temp_destroy(&t);
+  return reason ? cannot_write(ctx, path, reason) : GH_OK;
+}
+
+const char *gh_temp_name(const gh_temp *t) {
+  return t->name;
+}
+
+gh_status gh_temp_commit(gh_temp **temp) {
+  gh_temp *t = *temp;
+  int reason = file_complete(t);
+  if (!reason) reason = file_replace(t);
+  gh_status s = reason ? cannot_write(t->ctx, t->path, reason) : GH_OK;
+  gh_temp_destroy(temp);
+  return s;
+}
+
+void gh_temp_destroy(gh_temp **temp) {
+  if (!temp || !*temp) return;
+  temp_close(*temp);
+  free(*temp);
+  *temp = NULL;
+}
+
+/* ---- bytes ---- */
+
+static int bytes_write(gh_temp *t, const void *bytes, size_t length, bool named) {
+  int reason = named ? open_named(t) : open_nameless(t);
+  if (!reason) reason = write_all(t->fd, bytes, length);
+  if (!reason) reason = file_complete(t);
+  if (!reason) reason = file_replace(t);
+  if (reason) file_drop(t);
+  return reason;
+}
+
+/* A rename would put a file in the place of /dev/null. */
+static int device_write(const char *path, const void *bytes, size_t length) {
+  int fd = open(path, O_WRONLY | O_CLOEXEC);
+  int reason = fd < 0 ? errno : write_all(fd, bytes, length);
+  if (fd >= 0 && close(fd) != 0 && !reason && errno != EINTR) reason = errno;
+  return reason;
+}
+
+gh_status gh_file_write(gh_context *ctx, const char *path, const void *bytes, size_t length) {
+  gh_temp t;
+  int reason = temp_open(ctx, path, &t);
+  if (!reason && t.there && !S_ISREG(t.old.st_mode)) {
+    reason = device_write(path, bytes, length);
+  } else if (!reason) {
+    reason = bytes_write(&t, bytes, length, false);
+    if (reason && t.unable) reason = bytes_write(&t, bytes, length, true);
+  }
+  temp_close(&t);
+  return reason ? cannot_write(ctx, path, reason) : GH_OK;
+}
