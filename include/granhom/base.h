@@ -142,6 +142,51 @@ static inline void gh_cauchy2(const double P[4], const double F[4], double s[4])
                  (P[2] * F[0] + P[3] * F[1]) / J, (P[2] * F[2] + P[3] * F[3]) / J};
   for (int k = 0; k < 4; k++) s[k] = r[k];
 }
+/* ---- numbers that may not be finite, norms that neither overflow nor underflow ----
+ *
+ * A comparison with NaN is false, fmax() passes over NaN, and inf <= inf is true: what decides by any of
+ * these takes a computation that has failed for one that has converged. These do not. */
+
+/* x is at most the limit, and both are finite. */
+static inline bool gh_within(double x, double limit) {
+  return x <= limit && isfinite(x) && isfinite(limit);
+}
+/* The larger of the two; NaN if one of them is. */
+static inline double gh_max(double a, double b) {
+  return a >= b || isnan(a) ? a : b;
+}
+/* The largest absolute value; NaN if one of them is. */
+static inline double gh_largest(const double *a, size_t n) {
+  double largest = 0;
+  for (size_t k = 0; k < n; k++) largest = gh_max(largest, fabs(a[k]));
+  return largest;
+}
+
+/* A sum of squares of which the root is wanted. Squares of numbers beyond 1e154 overflow and those below
+ * 1e-154 underflow; the sums of scaled squares are what the root is taken of then. Where the plain sum is in
+ * range, it alone counts, so that the root has the bits of the plain formula. */
+typedef struct gh_squares {
+  double sum, large, small;
+} gh_squares;
+#define GH_SQUARES_SCALE 4.149515568880993e180 /* 2^600 */
+static inline void gh_squares_add(gh_squares *s, double x) {
+  const double down = x / GH_SQUARES_SCALE, up = x * GH_SQUARES_SCALE;
+  s->sum += x * x;
+  s->large += down * down;
+  s->small += up * up;
+}
+/* The root; inf and NaN where one of the numbers is, or where the root itself is too large. */
+static inline double gh_squares_root(const gh_squares *s) {
+  if (s->sum >= 1e-270 && s->sum <= 1e300) return sqrt(s->sum);
+  return s->sum < 1 ? sqrt(s->small) / GH_SQUARES_SCALE : sqrt(s->large) * GH_SQUARES_SCALE;
+}
+/* Euclidean norm. */
+static inline double gh_norm(const double *a, size_t n) {
+  gh_squares s = {0, 0, 0};
+  for (size_t k = 0; k < n; k++) gh_squares_add(&s, a[k]);
+  return gh_squares_root(&s);
+}
+
 static inline bool gh_finite(const double *a, size_t n) {
   for (size_t k = 0; k < n; k++)
     if (!isfinite(a[k])) return false;

@@ -121,7 +121,11 @@ const double *gh_control_A(const gh_control *c) {
 
 static gh_status evaluate(gh_control *c, point_state *s) {
   if (c->stop && c->stop(c->stop_data)) return gh_fail(c->ctx, GH_STOPPED, "stopped on request");
-  return c->ops.evaluate(c->point, s->F, GH_WANT_TANGENT, s->P, s->A);
+  GH_TRY(c->ops.evaluate(c->point, s->F, GH_WANT_TANGENT, s->P, s->A));
+  const char *what = !gh_finite(s->P, 4) ? "stress" : !gh_finite(s->A, 16) ? "tangent" : NULL;
+  if (!what) return GH_OK;
+  return gh_fail(c->ctx, GH_DIVERGED, "the %s at F = [%.6g %.6g; %.6g %.6g] is not finite", what, s->F[0],
+                 s->F[1], s->F[2], s->F[3]);
 }
 
 static gh_status commit(gh_control *c, const point_state *s) {
@@ -147,16 +151,6 @@ gh_status gh_control_start(gh_control *c, const double F[4]) {
 
 /* ---- the equations ---- */
 
-static double largest4(const double a[4]) {
-  double largest = 0;
-  for (int k = 0; k < 4; k++) largest = fmax(largest, fabs(a[k]));
-  return largest;
-}
-
-static double norm4(const double a[4]) {
-  return sqrt(a[0] * a[0] + a[1] * a[1] + a[2] * a[2] + a[3] * a[3]);
-}
-
 static double dot4(const double a[4], const double b[4]) {
   return a[0] * b[0] + a[1] * b[1] + a[2] * b[2] + a[3] * b[3];
 }
@@ -164,7 +158,7 @@ static double dot4(const double a[4], const double b[4]) {
 static double stress_size(const point_state *s) {
   double cauchy[4];
   gh_cauchy2(s->P, s->F, cauchy);
-  return largest4(cauchy);
+  return gh_largest(cauchy, 4);
 }
 
 static void lack(const goal *q, const point_state *s, double g[4]) {
@@ -207,19 +201,19 @@ static double size_of(const gh_condition *condition) {
 
 /* Lack of the stress conditions over the largest stress. */
 static double mismatch(const goal *q, const point_state *s, const double g[4]) {
-  double worst = 0, size = fmax(q->stress, stress_size(s));
+  double worst = 0, size = gh_max(q->stress, stress_size(s));
   for (int k = 0; k < 4; k++)
-    if (q->condition[k].stress) worst = fmax(worst, fabs(g[k]) / size_of(&q->condition[k]));
+    if (q->condition[k].stress) worst = gh_max(worst, fabs(g[k]) / size_of(&q->condition[k]));
   return size > 0 ? worst / size : worst;
 }
 
 static bool is_met(const gh_control *c, const goal *q, const point_state *s, const double g[4]) {
-  double size = fmax(q->stress, stress_size(s));
+  double size = gh_max(q->stress, stress_size(s));
   for (int k = 0; k < 4; k++) {
     double limit = q->condition[k].stress
-                       ? fmax(c->options.tolerance * size, 4 * DBL_EPSILON * c->options.stiffness)
-                       : round_off * fmax(1, largest4(s->F));
-    if (!(fabs(g[k]) <= limit * size_of(&q->condition[k]))) return false;
+                       ? gh_max(c->options.tolerance * size, 4 * DBL_EPSILON * c->options.stiffness)
+                       : round_off * fmax(1, gh_largest(s->F, 4));
+    if (!gh_within(fabs(g[k]), limit * size_of(&q->condition[k]))) return false;
   }
   return true;
 }
@@ -228,7 +222,7 @@ static bool is_met(const gh_control *c, const goal *q, const point_state *s, con
 static double measure(const gh_control *c, const goal *q, const double F[4], const double g[4]) {
   double M[16], d[4];
   reference(c, q, F, M);
-  return gh_four_solve(M, 1, g, d) ? norm4(d) : INFINITY;
+  return gh_four_solve(M, 1, g, d) ? gh_norm(d, 4) : INFINITY;
 }
 
 /* ---- Newton ---- */
@@ -239,7 +233,7 @@ static void offer_change(gh_control *c, const point_state *now, const point_stat
     d[i] = next->P[i] - now->P[i];
     for (int k = 0; k < 4; k++) d[i] -= now->A[4 * i + k] * (next->F[k] - now->F[k]);
   }
-  c->change = norm4(d);
+  c->change = gh_norm(d, 4);
 }
 
 /* One step of Newton's method from *now along d, shortened until the lack falls; the first one of an attempt
@@ -260,11 +254,11 @@ static gh_status search(gh_control *c, goal *q, const double d[4], bool whole, i
     if (status != GH_OK) continue;
     lack(q, &next, g);
     double missing = measure(c, q, next.F, g);
-    if (whole || missing <= (1 - decrease * step) * first || is_met(c, q, &next, g)) {
+    if (whole || (isfinite(missing) && missing <= (1 - decrease * step) * first) || is_met(c, q, &next, g)) {
       *now = next;
       return GH_OK;
     }
-    if (missing >= best_lack) continue;
+    if (!(missing < best_lack)) continue;
     best_lack = missing;
     best = next;
   }
@@ -295,8 +289,8 @@ static gh_status newton(gh_control *c, goal *q, point_state *now) {
       return gh_fail(c->ctx, GH_DIVERGED, "not converged after %d iterations", k);
     slopes(q, now, J);
     if (!gh_four_solve(J, 1, g, d)) return gh_fail(c->ctx, GH_DIVERGED, "the tangent is singular");
-    if (!(norm4(d) <= longest))
-      return gh_fail(c->ctx, GH_DIVERGED, "the tangent asks for a strain of %.3g at once", norm4(d));
+    if (!(gh_norm(d, 4) <= longest))
+      return gh_fail(c->ctx, GH_DIVERGED, "the tangent asks for a strain of %.3g at once", gh_norm(d, 4));
     for (int a = 0; a < 4; a++) d[a] = -d[a];
     GH_TRY(search(c, q, d, k == 0, &weak, now));
   }
@@ -319,7 +313,8 @@ static gh_status servo_direction(gh_control *c, const goal *q, const double g[4]
   if (shift > 0) shift *= 2; /* not on the edge of rest */
   for (int a = 0; a < 4; a++) B[5 * a] += shift;
   if (!gh_four_solve(B, 1, r, d)) memcpy(d, r, sizeof r);
-  double length = norm4(d);
+  double length = gh_norm(d, 4);
+  if (!isfinite(length)) return gh_fail(c->ctx, GH_DIVERGED, "the step of servo control is not finite");
   for (int a = 0; a < 4; a++) d[a] *= -fmin(1, cap / length);
   return GH_OK;
 }
@@ -343,7 +338,7 @@ static gh_status give_up(gh_control *c, const goal *q, int steps) {
 static gh_status servo(gh_control *c, goal *q) {
   int failures = 0;
   double before[4] = {0},
-         usual = fmin(0.01, fmax(1e-6, 0.25 * fmax(q->stress, stress_size(&c->eq)) / c->options.stiffness)),
+         usual = fmin(0.01, fmax(1e-6, 0.25 * gh_max(q->stress, stress_size(&c->eq)) / c->options.stiffness)),
          cap = usual;
   for (int k = 0; k < SERVO_STEPS; k++) {
     double g[4], d[4] = {0};
@@ -358,7 +353,7 @@ static gh_status servo(gh_control *c, goal *q) {
     q->report->iterations++;
     if (fatal(status)) return status;
     if (status == GH_OK) GH_TRY(commit(c, &next));
-    else cap = norm4(d) / 4;
+    else cap = gh_norm(d, 4) / 4;
     if (status != GH_OK && ++failures == FAILURES)
       return gh_prefix(c->ctx, GH_DIVERGED, "servo control met %d failures: ", failures);
   }
@@ -456,7 +451,7 @@ gh_status gh_control_solve(gh_control *c, const gh_condition condition[4], const
   q.stress = stress_size(&c->eq);
   for (int k = 0; k < 4; k++) {
     q.from[k] = gh_condition_value(&condition[k], c->eq.F, c->eq.P);
-    if (condition[k].stress) q.stress = fmax(q.stress, fabs(target[k]) / size_of(&condition[k]));
+    if (condition[k].stress) q.stress = gh_max(q.stress, fabs(target[k]) / size_of(&condition[k]));
   }
   gh_status status = run(c, &q);
   double g[4];

@@ -2,8 +2,8 @@
 #ifndef GRANHOM_CONTROL_FOUR_H
 #define GRANHOM_CONTROL_FOUR_H
 
-#include <math.h>
-#include <stdbool.h>
+#include "granhom/base.h"
+
 #include <string.h>
 
 /* X = A^-1 B for `columns` columns of B (row-major, 4 x columns, at most 4), by elimination with pivots
@@ -12,7 +12,7 @@ static inline bool gh_four_solve(const double A[16], int columns, const double *
   double M[4][8];
   for (int r = 0; r < 4; r++) {
     double largest = 0;
-    for (int c = 0; c < 4; c++) largest = fmax(largest, fabs(A[4 * r + c]));
+    for (int c = 0; c < 4; c++) largest = gh_max(largest, fabs(A[4 * r + c]));
     if (!(largest > 0) || !isfinite(largest)) return false;
     for (int c = 0; c < 4; c++) M[r][c] = A[4 * r + c] / largest;
     for (int c = 0; c < columns; c++) M[r][4 + c] = B[columns * r + c] / largest;

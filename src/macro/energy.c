@@ -40,7 +40,7 @@ static void take_energy(gh_macro *m) {
     const gh_rve_measures *q = gh_farm_measure(m->farm, p);
     w->energy += q ? m->shapes.weight[p] * q->energy : NAN;
     w->dissipation += q ? m->shapes.weight[p] * q->dissipation : NAN;
-    if (q && q->residual > w->micro_residual) w->micro_residual = q->residual;
+    if (q) w->micro_residual = gh_max(w->micro_residual, q->residual);
   }
 }
 
@@ -57,11 +57,12 @@ void gh_energy_count(gh_macro *m, const gh_attempt *a, double t0, bool evaluated
   if (!balanced) w->freed += outer - inner;
   if (evaluated) take_energy(m);
   double held = w->energy - w->energy0 + w->dissipation - w->dissipation0;
-  w->largest = fmax(w->largest, fmax(fabs(w->inner), fabs(held)));
+  w->largest = gh_max(w->largest, fabs(w->inner));
+  if (!isnan(held)) w->largest = gh_max(w->largest, fabs(held)); /* only RVEs report their energy */
 }
 
 void gh_energy_residual(gh_macro *m, double relative) {
-  if (relative > m->tally.residual) m->tally.residual = relative;
+  m->tally.residual = gh_max(m->tally.residual, relative);
 }
 
 void gh_macro_zero_energy(gh_macro *m) {
@@ -83,8 +84,10 @@ void gh_macro_energy(const gh_macro *m, gh_energy *e) {
                    .micro_residual = w->micro_residual};
 }
 
+/* Where there is no energy to compare with, what is missing is all there is. */
 static double over(double part, double whole) {
-  return part == 0 ? 0 : part / whole;
+  if (part == 0) return 0;
+  return whole == 0 && isfinite(part) ? copysign(1, part) : part / whole;
 }
 
 double gh_energy_defect(const gh_energy *e) {

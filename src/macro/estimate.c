@@ -92,8 +92,8 @@ static void compare(const gh_macro *m, gh_difference *d) {
     compare_point(m, p, now);
     area += m->shapes.weight[p];
     for (int i = 0; i < 4; i++) sum[i] += m->shapes.weight[p] * now[i];
-    d->scale_most = fmax(d->scale_most, sqrt(now[0]));
-    d->most = fmax(d->most, sqrt(now[2]));
+    d->scale_most = gh_max(d->scale_most, sqrt(now[0]));
+    d->most = gh_max(d->most, sqrt(now[2]));
   }
   for (int k = 0; k < m->ndof; k++) {
     du += (m->eq.u[k] - at.u[k]) * (m->eq.u[k] - at.u[k]);

@@ -252,16 +252,16 @@ void gh_footings_rebase(gh_macro *m, const gh_loads *to, double t, const double 
 
 double gh_footings_residual(const gh_macro *m, const gh_loads *to, double t, bool fade, const double *u,
                             double *R) {
-  double square = 0;
+  gh_squares forces = {0};
   for (int k = 0; k < m->nfootings; k++) {
     const gh_footing *f = m->footing + k;
     gh_footing_load load = mix(&f->from, to->footing + k, t);
     double *q = R + m->ndof + 3 * k;
     gather(m, f, &load, u, R, q, NULL);
     for (int i = 0; i < 3 && fade; i++) q[i] -= (1 - t) * f->fade[i];
-    for (int i = 0; i < 2; i++) square += load.force[i] * load.force[i];
+    for (int i = 0; i < 2; i++) gh_squares_add(&forces, load.force[i]);
   }
-  return square;
+  return gh_squares_root(&forces);
 }
 
 /* Dead loads: force . dx of the point where it acts is force . dc plus the change of r_p . f. */

@@ -52,7 +52,7 @@ static gh_status succeed(gh_macro *m, const gh_attempt *a, int iterations, walk 
   GH_TRY(commit(m, a, w->t, iterations > 0, true));
   r->substeps++;
   r->residual = a->residual;
-  r->relative = a->residual > 0 ? a->residual / a->scale : 0;
+  r->relative = gh_relative_residual(a);
   gh_energy_residual(m, r->relative);
   if (w->level > m->deepest) m->deepest = w->level;
   w->t = a->t;
@@ -150,7 +150,7 @@ static gh_status advance(gh_macro *m, const gh_loads *loads, walk *w, gh_macro_r
     if (status == GH_OK) continue;
     gh_farm_revert(m->farm); /* the first failure is the one to report */
     r->residual = a.residual;
-    r->relative = a.residual > 0 ? a.residual / a.scale : 0;
+    r->relative = gh_relative_residual(&a);
     return status;
   }
   return GH_OK;

@@ -90,8 +90,7 @@ gh_status gh_footings_begin(gh_macro *m, const gh_loads *to);
 /* Loads and fade at eq, which lies at the fraction t of the way; R: internal minus outer nodal forces there.
  */
 void gh_footings_rebase(gh_macro *m, const gh_loads *to, double t, const double *R);
-/* The entries behind the ndof nodal ones of R at the fraction t; returns the square of the footings' forces.
- */
+/* The entries behind the ndof nodal ones of R at the fraction t; returns the norm of the footings' forces. */
 double gh_footings_residual(const gh_macro *m, const gh_loads *to, double t, bool fade, const double *u,
                             double *R);
 /* Work of the footings' loads, and of what fades, from m->eq at the fraction t0 to m->now at t1. */
@@ -247,6 +246,8 @@ void gh_outer_forces(const gh_macro *m, const gh_loads *to, double t, bool fade,
 /* GH_OK: m->now is in equilibrium and the farm's trial state belongs to it. GH_DIVERGED: it was not found;
  * the message says why. */
 gh_status gh_newton(gh_macro *m, gh_attempt *a);
+/* The residual over the forces that act: 1 where there are none. */
+double gh_relative_residual(const gh_attempt *a);
 
 /* Lets the body move from m->eq to an equilibrium under the loads at the fraction a->t without fading forces,
  * down the energy and with a commit after every step, so that the packings go along through their

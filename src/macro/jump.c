@@ -21,15 +21,15 @@ static void find_change(gh_macro *m) {
     const double *F = m->now.F + 4 * (size_t)p, *G = m->next.F + 4 * (size_t)p,
                  *A = m->now.A + 16 * (size_t)p;
     const double *P = m->now.P + 4 * (size_t)p, *Q = m->next.P + 4 * (size_t)p;
-    double sum = 0;
+    double d[4];
     for (int i = 0; i < 4; i++) {
-      double d = Q[i] - P[i];
-      for (int k = 0; k < 4; k++) d -= A[4 * i + k] * (G[k] - F[k]);
-      sum += d * d;
+      d[i] = Q[i] - P[i];
+      for (int k = 0; k < 4; k++) d[i] -= A[4 * i + k] * (G[k] - F[k]);
     }
-    if (sqrt(sum) <= m->jump.change) continue;
+    const double change = gh_norm(d, 4);
+    if (change <= m->jump.change) continue;
     m->jump.point = p;
-    m->jump.change = sqrt(sum);
+    m->jump.change = change;
   }
 }
 
@@ -88,6 +88,7 @@ static int worst(const gh_macro *m, const gh_attempt *a) {
     if (out || fabs(m->residual[d]) <= largest) continue;
     largest = fabs(m->residual[d]);
     dof = d;
+    if (!isfinite(largest)) break;
   }
   return dof;
 }

@@ -102,20 +102,37 @@ static void find_residual(gh_macro *m, const gh_attempt *a, const gh_state *s, c
   gh_outer_forces(m, a->to, a->t, !a->released, s->u, m->fext);
   for (int d = 0; d < m->ndof; d++) R[d] = s->fint[d] - m->fext[d];
   if (predict) gh_system_multiply(m->system, predict, R);
-  m->footing_force = sqrt(gh_footings_residual(m, a->to, a->t, !a->released, s->u, R));
+  m->footing_force = gh_footings_residual(m, a->to, a->t, !a->released, s->u, R);
 }
 
-/* |R_free| and |f_ext| + |R_prescribed|, footings' forces among f_ext. */
-static void measure(const gh_macro *m, const gh_attempt *a, const double *R, double *residual,
-                    double *scale) {
-  double norm = 0, held = 0, outer = m->footing_force * m->footing_force;
+/* Which residual force is not finite, and the likely cause. */
+static gh_status residual_refuse(const gh_macro *m, const double *R) {
+  int d = 0;
+  char name[96] = "a footing";
+  while (d < entries(m) && isfinite(R[d])) d++;
+  if (d < m->ndof) gh_dof_name(m->mesh, d, name);
+  if (d == entries(m))
+    return gh_fail(m->ctx, GH_DIVERGED,
+                   "the norm of the residual forces is not finite: the loads are too large");
+  return gh_fail(
+      m->ctx, GH_DIVERGED,
+      "the residual force at %s is %g, not a finite number: the loads or the stresses are too large", name,
+      R[d]);
+}
+
+/* |R_free| and |f_ext| + |R_prescribed|, footings' forces among f_ext. GH_DIVERGED: one is not finite. */
+static gh_status measure(const gh_macro *m, const gh_attempt *a, const double *R, double *residual,
+                         double *scale) {
+  gh_squares norm = {0}, held = {0}, external = {0};
+  gh_squares_add(&external, m->footing_force);
   for (int d = 0; d < entries(m); d++) {
-    if (is_free(m, a, d)) norm += R[d] * R[d];
-    else if (a->to->fixed[d]) held += R[d] * R[d];
-    if (d < m->ndof) outer += m->fext[d] * m->fext[d];
+    if (is_free(m, a, d)) gh_squares_add(&norm, R[d]);
+    else if (a->to->fixed[d]) gh_squares_add(&held, R[d]);
+    if (d < m->ndof) gh_squares_add(&external, m->fext[d]);
   }
-  *residual = sqrt(norm);
-  *scale = sqrt(outer) + sqrt(held);
+  *residual = gh_squares_root(&norm);
+  *scale = gh_squares_root(&external) + gh_squares_root(&held);
+  return isfinite(*residual) && isfinite(*scale) ? GH_OK : residual_refuse(m, R);
 }
 
 /* The residual that counts as zero. Round-off of F is DBL_EPSILON, which the tangent turns into forces:
@@ -123,6 +140,10 @@ static void measure(const gh_macro *m, const gh_attempt *a, const double *R, dou
  * of the last assembly. */
 static double limit(const gh_macro *m, double scale) {
   return fmax(m->options.tolerance * scale, DBL_EPSILON * m->length * gh_system_diagonal(m->system));
+}
+
+static bool converged(const gh_macro *m, const gh_attempt *a) {
+  return gh_within(a->residual, limit(m, a->scale));
 }
 
 static double along(const gh_macro *m, const gh_attempt *a, const double *R) {
@@ -144,7 +165,7 @@ static gh_status try_step(gh_macro *m, gh_attempt *a, double s, double *residual
   if (keeps_factor(m, a)) GH_TRY(gh_macro_evaluate_stress(m, &m->next, &m->now));
   else GH_TRY(gh_macro_evaluate(m, &m->next));
   find_residual(m, a, &m->next, NULL, m->trial);
-  measure(m, a, m->trial, residual, scale);
+  GH_TRY(measure(m, a, m->trial, residual, scale));
   *work = along(m, a, m->trial);
   return GH_OK;
 }
@@ -204,8 +225,8 @@ static gh_status search(gh_macro *m, gh_attempt *a, double *step, int *weak) {
       *step *= 0.5;
       continue;
     }
-    if (residual <= (1 - decrease * tried) * beat || residual <= limit(m, scale) ||
-        (fabs(work) <= slope * fabs(work0) && residual <= growth * now)) {
+    if (residual <= (1 - decrease * tried) * beat || gh_within(residual, limit(m, scale)) ||
+        (gh_within(fabs(work), slope * fabs(work0)) && residual <= growth * now)) {
       accept(m, a, residual, scale);
       return GH_OK;
     }
@@ -250,13 +271,18 @@ static bool prescribe(gh_macro *m, const gh_attempt *a) {
   return any;
 }
 
+double gh_relative_residual(const gh_attempt *a) {
+  if (a->residual == 0) return 0;
+  return a->scale > 0 ? a->residual / a->scale : 1; /* nothing acts but the residual itself */
+}
+
 static void report(const gh_macro *m, const gh_attempt *a, int iteration, double first, double step) {
   if (!m->watch) return;
   gh_macro_iteration it = {.substep = a->substep,
                            .iteration = iteration,
                            .residual = a->residual,
                            .scale = a->scale,
-                           .relative = a->residual > 0 ? a->residual / a->scale : 0,
+                           .relative = gh_relative_residual(a),
                            .first = first > 0 ? a->residual / first : 0,
                            .step = step,
                            .seconds = gh_seconds() - m->begin};
@@ -282,10 +308,10 @@ static gh_status iterate(gh_macro *m, gh_attempt *a) {
   assemble(m, a);
   bool moved = prescribe(m, a);
   find_residual(m, a, &m->now, moved ? m->du : NULL, m->residual);
-  measure(m, a, m->residual, &a->residual, &a->scale);
+  GH_TRY(measure(m, a, m->residual, &a->residual, &a->scale));
   double first = a->residual, mark = first, step = 1;
   report(m, a, 0, first, step);
-  for (int k = 0; moved || a->residual > limit(m, a->scale); k++) {
+  for (int k = 0; moved || !converged(m, a); k++) {
     if (k == m->options.max_iterations)
       return gh_fail(m->ctx, GH_DIVERGED, "not converged after %d iterations", m->options.max_iterations);
     if (k > 0) {
@@ -299,11 +325,11 @@ static gh_status iterate(gh_macro *m, gh_attempt *a) {
     a->iterations++;
     report(m, a, k + 1, first, step);
     slow = step < 1 && a->residual > a->before[0] / 2 ? slow + 1 : 0;
-    if (slow == SLOW_STEPS && a->residual > limit(m, a->scale))
+    if (slow == SLOW_STEPS && !converged(m, a))
       return gh_fail(m->ctx, GH_DIVERGED, "the residual creeps: %d shortened steps in a row did not halve it",
                      slow);
     if (!keeps_factor(m, a) || (k + 1) % PATIENCE > 0) continue;
-    if (a->residual > 0.1 * mark && a->residual > limit(m, a->scale))
+    if (!(a->residual <= 0.1 * mark) && !converged(m, a))
       return gh_fail(m->ctx, GH_DIVERGED, "%d iterations did not bring the residual down to a tenth",
                      PATIENCE);
     mark = a->residual;
@@ -332,10 +358,11 @@ static gh_status descend(gh_macro *m, gh_attempt *a, double *step) {
   for (int k = 0;; k++) {
     gh_status status = try_step(m, a, *step, &residual, &scale, &work);
     if (fatal(status)) return status;
-    bool good = status == GH_OK && (work * work0 >= 0 || fabs(work) <= slope * fabs(work0));
-    if (good || (status == GH_OK && k + 1 >= MOST)) break;
-    if (k + 1 >= 2 * MOST) return GH_DIVERGED;
-    *step = status == GH_OK ? fmax(0.1 * *step, *step * work0 / (work0 - work)) : 0.5 * *step;
+    const bool usable = status == GH_OK && isfinite(work) && isfinite(work0),
+               same = work == 0 || work0 == 0 || (work > 0) == (work0 > 0); /* the product may underflow */
+    if (usable && (same || fabs(work) <= slope * fabs(work0) || k + 1 >= MOST)) break;
+    if (k + 1 >= 2 * MOST) return status == GH_OK ? residual_refuse(m, m->trial) : GH_DIVERGED;
+    *step = usable ? fmax(0.1 * *step, *step * work0 / (work0 - work)) : 0.5 * *step;
   }
   accept(m, a, residual, scale);
   return GH_OK;
@@ -347,9 +374,9 @@ gh_status gh_follow(gh_macro *m, gh_attempt *a) {
   a->released = true;
   gh_state_copy(m, &m->eq, &m->now);
   find_residual(m, a, &m->now, NULL, m->residual);
-  measure(m, a, m->residual, &a->residual, &a->scale);
+  GH_TRY(measure(m, a, m->residual, &a->residual, &a->scale));
   first = a->residual;
-  for (int k = 0; a->residual > limit(m, a->scale); k++) {
+  for (int k = 0; !converged(m, a); k++) {
     if (k == MOST) return gh_fail(m->ctx, GH_DIVERGED, "no equilibrium beyond the jump after %d steps", MOST);
     assemble(m, a);
     for (int d = 0; d < entries(m); d++) m->du[d] = 0, m->trial[d] = -m->residual[d];

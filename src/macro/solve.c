@@ -291,12 +291,9 @@ void gh_system_multiply(const gh_system *s, const double *x, double *y) {
 }
 
 double gh_system_diagonal(const gh_system *s) {
-  double sum = 0;
-  for (int d = 0; d < s->ndof; d++) {
-    double entry = s->value[find_entry(s, d, d)];
-    sum += entry * entry;
-  }
-  return sqrt(sum);
+  gh_squares entries = {0};
+  for (int d = 0; d < s->ndof; d++) gh_squares_add(&entries, s->value[find_entry(s, d, d)]);
+  return gh_squares_root(&entries);
 }
 
 char gh_system_method(const gh_system *s) {
@@ -308,8 +305,8 @@ static bool is_symmetric(const gh_system *s) {
   for (int k = 0; k < s->free_start[s->nfree] + s->nshares; k++) {
     int end = s->free_start[s->nfree], source = k < end ? s->source[k] : s->shares[k - end].source;
     if (source < 0) continue;
-    largest = fmax(largest, fabs(s->value[source]));
-    difference = fmax(difference, fabs(s->value[source] - s->value[s->mirror[source]]));
+    largest = gh_max(largest, fabs(s->value[source]));
+    difference = gh_max(difference, fabs(s->value[source] - s->value[s->mirror[source]]));
   }
   return difference <= asymmetry * largest;
 }
@@ -408,6 +405,17 @@ static void shift_diagonal(gh_system *s, double shift) {
       if (s->free_row[k] == c) s->free_value[k] += shift;
 }
 
+/* The solution in s->x to where it belongs. */
+static gh_status give(gh_system *s, double *x) {
+  if (!gh_finite(s->x, (size_t)s->nfree))
+    return gh_fail(
+        s->ctx, GH_DIVERGED,
+        "the displacements that the stiffness matrix gives are not finite: it is nearly singular, or "
+        "the loads are too large for it");
+  for (int c = 0; c < s->nfree; c++) x[s->dof[c]] = s->x[c];
+  return GH_OK;
+}
+
 gh_status gh_system_descend(gh_system *s, const double *b, double *x) {
   enum { SHIFTS = 40 };
   if (s->nfree == 0) return GH_OK;
@@ -418,20 +426,11 @@ gh_status gh_system_descend(gh_system *s, const double *b, double *x) {
     shift_diagonal(s, shift - added);
     added = shift;
     gh_status status = solve_cholmod(s);
-    if (status == GH_OK)
-      for (int c = 0; c < s->nfree; c++) x[s->dof[c]] = s->x[c];
+    if (status == GH_OK) return give(s, x);
     if (status != GH_DIVERGED) return status;
     shift = shift > 0 ? 3 * shift : first;
   }
   return gh_fail(s->ctx, GH_DIVERGED, "the stiffness matrix is singular");
-}
-
-/* The solution in s->x to where it belongs. */
-static gh_status give(gh_system *s, double *x) {
-  if (!gh_finite(s->x, (size_t)s->nfree))
-    return gh_fail(s->ctx, GH_DIVERGED, "the stiffness matrix is singular");
-  for (int c = 0; c < s->nfree; c++) x[s->dof[c]] = s->x[c];
-  return GH_OK;
 }
 
 gh_status gh_system_solve(gh_system *s, const double *b, double *x) {
