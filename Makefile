@@ -31,7 +31,7 @@ CPPFLAGS_PKG := $(shell pkg-config --cflags $(PKGS) | sed 's/-I/-isystem /g') -i
 MPI_OF_LAMMPS := $(shell pkg-config --cflags ompi-c | sed 's/-I/-isystem /g')
 CFLAGS  = -std=c17 -D_XOPEN_SOURCE=700 $(FLAGS) $(CPPFLAGS_PKG) -fexceptions
 # LAMMPS's headers are C++11 of their own kind: ours on top of them keep the warnings.
-CXXFLAGS = -std=c++17 $(FLAGS) $(CPPFLAGS_PKG) $(MPI_OF_LAMMPS) -isystem src/engine/lammps/compat -isystem /usr/include/lammps -DLAMMPS_SMALLBIG -DLAMMPS_LIB_MPI
+CXXFLAGS = -std=c++17 $(FLAGS) $(CPPFLAGS_PKG) $(MPI_OF_LAMMPS) -isystem /usr/include/lammps -isystem src/engine/lammps/compat -DLAMMPS_SMALLBIG -DLAMMPS_LIB_MPI
 LDFLAGS = -rdynamic $(SAN)
 LDLIBS  = -llammps -lcholmod -lumfpack -lklu $(shell pkg-config --libs $(PKGS) ompi-c) -lstdc++ -lm
 

@@ -3,6 +3,7 @@
 #include "engine/lammps/fix_history.h"
 
 #include "engine/lammps/pair_coulomb.h"
+#include "engine/lammps/versions.h"
 
 #include "atom.h"
 #include "comm.h"
@@ -102,7 +103,7 @@ void FixHistory::refresh(bool new_list) {
     }
   }
   new_ghosts = new_list;
-  comm->forward_comm_fix(this, new_list ? 5 : 3);
+  granhom::forward_comm(comm, this, new_list ? 5 : 3);
   if (new_list) ghosts_known = true;
 }
 

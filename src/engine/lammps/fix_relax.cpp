@@ -8,6 +8,7 @@
 
 #include "engine/lammps/fix_history.h"
 #include "engine/lammps/pair_coulomb.h"
+#include "engine/lammps/versions.h"
 
 #include "atom.h"
 #include "comm.h"
@@ -248,7 +249,7 @@ void FixRelax::add_blocks() {
       else add_block(i, j, l, d2);
     }
   }
-  if (newton) comm->reverse_comm_fix(this);
+  if (newton) granhom::reverse_comm(comm, this);
 }
 
 int FixRelax::pack_reverse_comm(int n, int first, double *buf) {

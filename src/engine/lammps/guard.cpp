@@ -1,31 +1,27 @@
-/* LAMMPS's errors caught: replaced functions of liblammps.so and guarded library calls.
- * SPDX-License-Identifier: GPL-2.0-or-later
+/* Guarded calls of LAMMPS's library: its errors become statuses. SPDX-License-Identifier: GPL-2.0-or-later
  *
- * The packaged library is built without exceptions: its Error class ends the process. Calls inside a shared
- * library go through its symbol table, where the executable's definitions come first; so the ones here take
- * the place of LAMMPS's. They throw, guarded() catches. In the same way LAMMPS::post_create(), which follows
- * each `clear`, registers our styles. */
+ * A library with exceptions throws from C++ calls and keeps the message of C calls for lammps_has_error. In
+ * one without, interpose.cpp replaces the functions that would end the process by ones that throw. */
 #include "engine/lammps/c_mpi.h"
 #include "engine/lammps/guard.h"
 
 #include "engine/lammps/fix_history.h"
 #include "engine/lammps/fix_relax.h"
-#include "engine/lammps/styles.h"
+#include "engine/lammps/interpose.h"
+#include "engine/lammps/versions.h"
 
-#include "comm.h"
-#include "error.h"
 #include "input.h"
 #include "lammps.h"
 #include "library.h"
 #include "modify.h"
-#include "timer.h"
-#include "universe.h"
-#include "update.h"
+
+#if GH_LAMMPS_THROWS
+#include "exceptions.h"
+#endif
 
 #include <cstdarg>
 #include <cstdio>
 #include <cstdlib>
-#include <dlfcn.h>
 #include <exception>
 #include <new>
 #include <string>
@@ -37,102 +33,57 @@ namespace {
 
 enum { OLDEST_VERSION = 20210929 };
 
-struct lammps_error : std::exception {
-  std::string text;
-  bool alone; /* of one rank: the others do not know */
-  lammps_error(std::string t, bool a) : text(std::move(t)), alone(a) {}
-  const char *what() const noexcept override { return text.c_str(); }
-};
-
-struct lammps_quit {
-  int status;
-};
-
-/* "message (src/file.cpp:123)" */
-std::string located(const std::string &file, int line, const std::string &text) {
-  std::size_t at = file.rfind("src/");
-  return text + " (" + (at == std::string::npos ? file : file.substr(at)) + ":" + std::to_string(line) + ")";
+/* LAMMPS's text without "ERROR: " or "ERROR on proc 0: " in front, and without the lines behind the first,
+ * which repeat the command. */
+std::string message_of(std::string text) {
+  text = text.substr(0, text.find('\n'));
+  if (text.rfind("ERROR", 0) != 0) return text;
+  std::size_t colon = text.find(": ");
+  return colon == std::string::npos ? text : text.substr(colon + 2);
 }
 
-std::string formatted(fmt::string_view format, fmt::format_args args) {
-  try {
-    return fmt::detail::vformat(format, args);
-  } catch (const std::exception &e) {
-    return e.what();
-  }
+/* Whether the other ranks do not know of the error. */
+bool of_one_rank(const std::exception &error) {
+  if (auto *ours = dynamic_cast<const granhom::lammps_error *>(&error)) return ours->alone;
+#if GH_LAMMPS_THROWS
+  return dynamic_cast<const LAMMPS_NS::LAMMPSAbortException *>(&error);
+#else
+  return false;
+#endif
 }
 
-template <typename Call> gh_status guarded(gh_context *ctx, const char *what, Call call) {
+gh_status cannot_open(gh_context *ctx) {
+  char text[1024] = "";
+#if GH_LAMMPS_THROWS
+  lammps_get_last_error_message(nullptr, text, sizeof text);
+#endif
+  std::string reason = message_of(text);
+  return gh_fail(ctx, GH_ENGINE, "LAMMPS could not be opened%s%s", reason.empty() ? "" : ": ",
+                 reason.c_str());
+}
+
+/* The message that a C function of the library has kept, which is cleared; empty when there is none. */
+std::string kept_error(void *lmp) {
+  char text[1024] = "";
+  if (lmp && lammps_has_error(lmp)) lammps_get_last_error_message(lmp, text, sizeof text);
+  return message_of(text);
+}
+
+template <typename Call> gh_status guarded(gh_context *ctx, void *lmp, const char *what, Call call) {
   try {
-    return call();
+    gh_status status = call();
+    std::string error = kept_error(lmp);
+    return error.empty() ? status : gh_fail(ctx, GH_ENGINE, "LAMMPS (%s): %s", what, error.c_str());
   } catch (const std::bad_alloc &) {
     return gh_fail(ctx, GH_MEMORY, "LAMMPS (%s): out of memory", what);
   } catch (const std::exception &e) {
-    return gh_fail(ctx, GH_ENGINE, "LAMMPS (%s): %s", what, e.what());
-  } catch (const lammps_quit &q) {
+    return gh_fail(ctx, GH_ENGINE, "LAMMPS (%s): %s", what, message_of(e.what()).c_str());
+  } catch (const granhom::lammps_quit &q) {
     return gh_fail(ctx, GH_ENGINE, "LAMMPS (%s) ended with status %d", what, q.status);
   }
 }
 
 } // namespace
-
-/* ---- in the place of LAMMPS's own ---- */
-
-namespace LAMMPS_NS {
-
-void Error::all(const std::string &file, int line, const std::string &text) {
-  MPI_Barrier(world);
-  std::string message = located(file, line, text);
-  int me;
-  MPI_Comm_rank(world, &me);
-  if (me == 0 && (screen || logfile))
-    utils::logmesg(lmp, "ERROR: " + message +
-                            "\nLast command: " + (input && input->line ? input->line : "(none)") + "\n");
-  if (update) update->whichflag = 0;
-  throw lammps_error(message, false);
-}
-
-void Error::one(const std::string &file, int line, const std::string &text) {
-  std::string message = located(file, line, text);
-  int me;
-  MPI_Comm_rank(world, &me);
-  if (screen || logfile)
-    utils::logmesg(lmp, "ERROR on proc " + std::to_string(me) + ": " + message +
-                            "\nLast command: " + (input && input->line ? input->line : "(none)") + "\n");
-  if (update) update->whichflag = 0;
-  throw lammps_error(message, true);
-}
-
-void Error::_all(const std::string &file, int line, fmt::string_view format, fmt::format_args args) {
-  all(file, line, formatted(format, args));
-}
-
-void Error::_one(const std::string &file, int line, fmt::string_view format, fmt::format_args args) {
-  one(file, line, formatted(format, args));
-}
-
-void Error::universe_all(const std::string &file, int line, const std::string &text) {
-  MPI_Barrier(universe->uworld);
-  throw lammps_error(located(file, line, text), false);
-}
-
-void Error::universe_one(const std::string &file, int line, const std::string &text) {
-  throw lammps_error(located(file, line, text), true);
-}
-
-void Error::done(int status) {
-  MPI_Barrier(world);
-  throw lammps_quit{status};
-}
-
-void LAMMPS::post_create() {
-  using function = void (*)(LAMMPS *);
-  auto original = reinterpret_cast<function>(dlsym(RTLD_NEXT, "_ZN9LAMMPS_NS6LAMMPS11post_createEv"));
-  if (original) original(this);
-  granhom::register_styles(this);
-}
-
-} // namespace LAMMPS_NS
 
 /* ---- guarded library calls ---- */
 
@@ -159,21 +110,18 @@ static gh_status check_instance(gh_context *ctx, void *lmp) {
     return gh_fail(ctx, GH_ENGINE, "LAMMPS %d is too old: granhom needs %d (29 Sep 2021) or later", version,
                    OLDEST_VERSION);
   if (!lammps_has_style(lmp, "pair", "granhom/normal"))
-    return gh_fail(
-        ctx, GH_ENGINE,
-        "LAMMPS does not see granhom's styles: liblammps.so comes before granhom in the search order "
-        "of symbols. Link -lgranhom before -llammps; with libgranhom.a, link with -rdynamic");
+    return gh_fail(ctx, GH_ENGINE, "LAMMPS does not see granhom's styles: %s", granhom::advice_on_linking());
   return GH_OK;
 }
 
 gh_status gh_lmp_open(gh_context *ctx, void **lmp) {
   *lmp = nullptr;
   GH_TRY(start_mpi(ctx));
-  return guarded(ctx, "open", [&] {
+  return guarded(ctx, nullptr, "open", [&] {
     char name[] = "granhom", screen[] = "-screen", log[] = "-log", none[] = "none", nocite[] = "-nocite";
     char *argv[] = {name, screen, none, log, none, nocite, nullptr};
     *lmp = lammps_open(6, argv, MPI_COMM_SELF, nullptr);
-    if (!*lmp) return gh_fail(ctx, GH_ENGINE, "LAMMPS could not be opened");
+    if (!*lmp) return cannot_open(ctx);
     gh_status status = check_instance(ctx, *lmp);
     if (status != GH_OK) gh_lmp_close(lmp);
     return status;
@@ -182,7 +130,7 @@ gh_status gh_lmp_open(gh_context *ctx, void **lmp) {
 
 int gh_lmp_version(gh_context *ctx, void *lmp) {
   int version = 0;
-  guarded(ctx, "version", [&] {
+  guarded(ctx, lmp, "version", [&] {
     version = lammps_version(lmp);
     return GH_OK;
   });
@@ -191,7 +139,7 @@ int gh_lmp_version(gh_context *ctx, void *lmp) {
 
 void gh_lmp_close(void **lmp) {
   if (!lmp || !*lmp) return;
-  guarded(nullptr, "close", [&] {
+  guarded(nullptr, nullptr, "close", [&] {
     lammps_close(*lmp);
     return GH_OK;
   });
@@ -206,7 +154,7 @@ gh_status gh_lmp_command(gh_context *ctx, void *lmp, const char *format, ...) {
   va_end(args);
   if (length < 0 || length >= (int)sizeof text)
     return gh_fail(ctx, GH_INTERNAL, "LAMMPS command too long: %s", text);
-  return guarded(ctx, text, [&] {
+  return guarded(ctx, lmp, text, [&] {
     lammps_command(lmp, text);
     return GH_OK;
   });
@@ -214,7 +162,7 @@ gh_status gh_lmp_command(gh_context *ctx, void *lmp, const char *format, ...) {
 
 gh_status gh_lmp_create_atoms(gh_context *ctx, void *lmp, int n, const int *id, const int *type,
                               const double *x) {
-  return guarded(ctx, "create atoms", [&] {
+  return guarded(ctx, lmp, "create atoms", [&] {
     int made = lammps_create_atoms(lmp, n, id, type, x, nullptr, nullptr, 0);
     if (made != n) return gh_fail(ctx, GH_ENGINE, "LAMMPS made %d of %d atoms", made, n);
     return GH_OK;
@@ -222,14 +170,14 @@ gh_status gh_lmp_create_atoms(gh_context *ctx, void *lmp, int n, const int *id, 
 }
 
 gh_status gh_lmp_setting(gh_context *ctx, void *lmp, const char *name, int *value) {
-  return guarded(ctx, name, [&] {
+  return guarded(ctx, lmp, name, [&] {
     *value = lammps_extract_setting(lmp, name);
     return *value >= 0 ? GH_OK : gh_fail(ctx, GH_ENGINE, "LAMMPS has no setting %s", name);
   });
 }
 
 gh_status gh_lmp_atom(gh_context *ctx, void *lmp, const char *name, void *p) {
-  return guarded(ctx, name, [&] {
+  return guarded(ctx, lmp, name, [&] {
     void *array = lammps_extract_atom(lmp, name);
     *static_cast<void **>(p) = array;
     return array ? GH_OK : gh_fail(ctx, GH_ENGINE, "LAMMPS has no property %s of atoms", name);
@@ -237,7 +185,7 @@ gh_status gh_lmp_atom(gh_context *ctx, void *lmp, const char *name, void *p) {
 }
 
 gh_status gh_lmp_local(gh_context *ctx, void *lmp, const char *id, int *count, double ***rows) {
-  return guarded(ctx, id, [&] {
+  return guarded(ctx, lmp, id, [&] {
     *rows = nullptr;
     auto *size = static_cast<int *>(lammps_extract_compute(lmp, id, LMP_STYLE_LOCAL, LMP_SIZE_ROWS));
     if (!size) return gh_fail(ctx, GH_ENGINE, "LAMMPS has no compute %s with local data", id);
@@ -249,7 +197,7 @@ gh_status gh_lmp_local(gh_context *ctx, void *lmp, const char *id, int *count, d
 }
 
 gh_status gh_lmp_fix_vector(gh_context *ctx, void *lmp, const char *id, int component, double *value) {
-  return guarded(ctx, id, [&] {
+  return guarded(ctx, lmp, id, [&] {
     auto *v =
         static_cast<double *>(lammps_extract_fix(lmp, id, LMP_STYLE_GLOBAL, LMP_TYPE_VECTOR, component, 0));
     if (!v) return gh_fail(ctx, GH_ENGINE, "LAMMPS has no fix %s with a vector", id);
@@ -264,7 +212,7 @@ gh_status gh_lmp_fix_vector(gh_context *ctx, void *lmp, const char *id, int comp
 /* Calls call(fix) for the fix of that id and class. */
 template <typename Style, typename Call>
 static gh_status with_style(gh_context *ctx, void *lmp, const char *id, const char *name, Call call) {
-  return guarded(ctx, id, [&] {
+  return guarded(ctx, lmp, id, [&] {
     auto *modify = static_cast<LAMMPS *>(lmp)->modify;
     int index = modify->find_fix(id);
     auto *fix = index < 0 ? nullptr : dynamic_cast<Style *>(modify->fix[index]);
@@ -364,21 +312,23 @@ gh_status gh_lmp_program(gh_context *ctx, int argc, char **argv, int *exit_statu
   *exit_status = 0;
   *alone = false;
   GH_TRY(start_mpi(ctx));
-  gh_status status = guarded(ctx, "script", [&] {
+  gh_status status = guarded(ctx, nullptr, "script", [&] {
     try {
       lmp = lammps_open(argc, argv, MPI_COMM_WORLD, nullptr);
-      if (!lmp) return gh_fail(ctx, GH_ENGINE, "LAMMPS could not be opened");
+      if (!lmp) return cannot_open(ctx);
       GH_TRY(check_instance(ctx, lmp));
       static_cast<LAMMPS *>(lmp)->input->file();
       return GH_OK;
-    } catch (const lammps_quit &quit) {
+    } catch (const granhom::lammps_quit &quit) {
       *exit_status = quit.status;
       return GH_OK;
-    } catch (const lammps_error &error) {
+    } catch (const std::bad_alloc &) {
+      throw;
+    } catch (const std::exception &error) {
       int ranks;
       MPI_Comm_size(MPI_COMM_WORLD, &ranks);
-      *alone = error.alone && ranks > 1;
-      return gh_fail(ctx, GH_ENGINE, "LAMMPS: %s", error.what());
+      *alone = of_one_rank(error) && ranks > 1;
+      return gh_fail(ctx, GH_ENGINE, "LAMMPS: %s", message_of(error.what()).c_str());
     }
   });
   if (*alone) return status; /* closing waits for all ranks */

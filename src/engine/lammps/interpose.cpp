@@ -1,0 +1,104 @@
+/* Functions of liblammps.so that are replaced. SPDX-License-Identifier: GPL-2.0-or-later
+ *
+ * Calls inside a shared library go through its symbol table, where definitions that come first in the search
+ * order count; so the ones here take the place of LAMMPS's. A library without exceptions (Debian 12) ends the
+ * process on an error: its Error class is replaced by one that throws. LAMMPS::post_create(), which follows
+ * each `clear`, is extended everywhere: it registers our styles. */
+#include "engine/lammps/c_mpi.h"
+#include "engine/lammps/interpose.h"
+
+#include "engine/lammps/styles.h"
+#include "engine/lammps/versions.h"
+
+#include "error.h"
+#include "input.h"
+#include "lammps.h"
+#include "universe.h"
+#include "update.h"
+
+#include <dlfcn.h>
+#include <exception>
+
+using LAMMPS_NS::LAMMPS;
+
+#if !GH_LAMMPS_THROWS
+
+using granhom::lammps_error;
+using granhom::lammps_quit;
+
+/* "message (src/file.cpp:123)" */
+static std::string located(const std::string &file, int line, const std::string &text) {
+  std::size_t at = file.rfind("src/");
+  return text + " (" + (at == std::string::npos ? file : file.substr(at)) + ":" + std::to_string(line) + ")";
+}
+
+static std::string formatted(fmt::string_view format, fmt::format_args args) {
+  try {
+    return fmt::detail::vformat(format, args);
+  } catch (const std::exception &e) {
+    return e.what();
+  }
+}
+
+namespace LAMMPS_NS {
+
+void Error::all(const std::string &file, int line, const std::string &text) {
+  MPI_Barrier(world);
+  std::string message = located(file, line, text);
+  int me;
+  MPI_Comm_rank(world, &me);
+  if (me == 0 && (screen || logfile))
+    utils::logmesg(lmp, "ERROR: " + message +
+                            "\nLast command: " + (input && input->line ? input->line : "(none)") + "\n");
+  if (update) update->whichflag = 0;
+  throw lammps_error(message, false);
+}
+
+void Error::one(const std::string &file, int line, const std::string &text) {
+  std::string message = located(file, line, text);
+  int me;
+  MPI_Comm_rank(world, &me);
+  if (screen || logfile)
+    utils::logmesg(lmp, "ERROR on proc " + std::to_string(me) + ": " + message +
+                            "\nLast command: " + (input && input->line ? input->line : "(none)") + "\n");
+  if (update) update->whichflag = 0;
+  throw lammps_error(message, true);
+}
+
+void Error::_all(const std::string &file, int line, fmt::string_view format, fmt::format_args args) {
+  all(file, line, formatted(format, args));
+}
+
+void Error::_one(const std::string &file, int line, fmt::string_view format, fmt::format_args args) {
+  one(file, line, formatted(format, args));
+}
+
+void Error::universe_all(const std::string &file, int line, const std::string &text) {
+  MPI_Barrier(universe->uworld);
+  throw lammps_error(located(file, line, text), false);
+}
+
+void Error::universe_one(const std::string &file, int line, const std::string &text) {
+  throw lammps_error(located(file, line, text), true);
+}
+
+void Error::done(int status) {
+  MPI_Barrier(world);
+  throw lammps_quit{status};
+}
+
+} // namespace LAMMPS_NS
+
+#endif
+
+void LAMMPS::post_create() {
+  using function = void (*)(LAMMPS *);
+  auto original = reinterpret_cast<function>(dlsym(RTLD_NEXT, "_ZN9LAMMPS_NS6LAMMPS11post_createEv"));
+  if (original) original(this);
+  granhom::register_styles(this);
+}
+
+const char *granhom::advice_on_linking() {
+  return "liblammps.so comes before granhom in the search order of symbols. Link -lgranhom before -llammps; "
+         "with libgranhom.a, link with -rdynamic";
+}
