@@ -593,7 +593,7 @@ static void errors_become_messages(void **state) {
   (void)state;
   static const char *const wrong[][2] = {
       {"bogus 1 2", "Unknown command"},
-      {"units furlong", "Illegal units command"},
+      {"units furlong", "(src/update.cpp:"},
       {"pair_style no/such/style", "Unrecognized pair style"},
       {"pair_style granhom/normal 3", "no arguments"},
       {"run 1", "before simulation box"},
