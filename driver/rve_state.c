@@ -14,6 +14,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#define KIND "state 2"
+
 enum { LAW = 7 };
 
 /* Without friction the other parameters mean nothing. */
@@ -47,7 +49,7 @@ gh_status rve_state_save(gh_context *ctx, const char *path, const gh_rve *rve, c
   gh_h5 *file;
   double *state;
   GH_TRY(gh_alloc(ctx, gh_rve_state_size(rve), sizeof *state, &state));
-  gh_status status = gh_h5_open(ctx, path, false, &file);
+  gh_status status = gh_h5_open(ctx, path, KIND, false, &file);
   if (status == GH_OK) {
     status = put(file, rve, options, packing, state);
     if (status == GH_OK) status = gh_h5_commit(&file);
@@ -124,7 +126,7 @@ gh_status rve_state_load(gh_context *ctx, const char *path, gh_rve *rve, const g
   gh_h5 *file;
   double *memory = NULL;
   gh_status status;
-  GH_TRY(gh_h5_read(ctx, path, &file));
+  GH_TRY(gh_h5_read(ctx, path, KIND, NULL, &file));
   GH_TRY_OR(gh_alloc(ctx, 4 + 3 * (size_t)packing->n, sizeof *memory, &memory), done);
   GH_TRY_OR(check_boundary(ctx, path, file, options->boundary), done);
   GH_TRY_OR(check_packing(ctx, path, file, packing, memory), done);

@@ -130,11 +130,15 @@ typedef struct gh_h5 gh_h5;
 /* false: built without HDF5 (make HDF5=0). Then gh_h5_open and gh_h5_read fail, GH_INPUT, and say so. */
 bool gh_h5_available(void);
 /* Opens a file for change, with what path holds when it exists and append is true. It is kept in memory until
- * gh_h5_commit puts it into place as a text is: HDF5 1.10 itself does not survive a full disk. A
- * dataset that is put again is replaced. */
-gh_status gh_h5_open(gh_context *ctx, const char *path, bool append, gh_h5 **file);
-/* Opens for reading. GH_INPUT: missing or no HDF5 file. */
-gh_status gh_h5_read(gh_context *ctx, const char *path, gh_h5 **file);
+ * gh_h5_commit puts it into place as a text is: HDF5 1.10 itself does not survive a full disk. A dataset that
+ * is put again is replaced.
+ * kind: what the file holds and the version of that, "state 1" (at most 39 letters). It stands in the first
+ * 512 bytes, a user block of HDF5, with the length of the file and a checksum over each of its bytes, which
+ * are checked whenever it is opened: GH_INPUT for what is damaged, of another kind or without a checksum. */
+gh_status gh_h5_open(gh_context *ctx, const char *path, const char *kind, bool append, gh_h5 **file);
+/* Opens for reading. GH_INPUT: missing, or as above. With `sealed` a file of HDF5 that has no checksum is
+ * read all the same, and *sealed tells. */
+gh_status gh_h5_read(gh_context *ctx, const char *path, const char *kind, bool *sealed, gh_h5 **file);
 /* Datasets; groups in the name are made as needed ("/step0003/P"). cols 1: a vector. */
 gh_status gh_h5_put_doubles(gh_h5 *file, const char *name, size_t rows, size_t cols, const double *data);
 gh_status gh_h5_put_ints(gh_h5 *file, const char *name, size_t rows, size_t cols, const int *data);

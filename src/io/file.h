@@ -10,8 +10,8 @@
 /* ---- replace.c: files as a whole ---- */
 
 /* Writes length bytes so that path holds either all of them or what it held before: another name, fsync,
- * rename. A device or a pipe is written directly, a symbolic link keeps pointing where it did, the permissions
- * of a file that is replaced stay. GH_SYSTEM with the reason. */
+ * rename. A device or a pipe is written directly, a symbolic link keeps pointing where it did, the
+ * permissions of a file that is replaced stay. GH_SYSTEM with the reason. */
 gh_status gh_file_write(gh_context *ctx, const char *path, const void *bytes, size_t length);
 
 /* ---- read.c ---- */

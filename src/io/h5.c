@@ -1,23 +1,24 @@
 /* HDF5: one writer, datasets of numbers. SPDX-License-Identifier: GPL-2.0-or-later
  * A file that is written is built in memory (HDF5's core driver) and goes to disk as a whole at the commit,
- * by the same way as text files. HDF5 1.10 does not survive a full disk: the file cannot be closed any more
- * and the program crashes at its end. HDF5 prints nothing: every public function switches its error printing
- * off while it runs. */
+ * by the same way as text files, sealed with a checksum (seal.c). HDF5 1.10 does not survive a full disk: the
+ * file cannot be closed any more and the program crashes at its end. HDF5 prints nothing: every public
+ * function switches its error printing off while it runs. */
 #include "io/file.h"
+#include "io/seal.h"
 
 #include <hdf5.h>
-#include <errno.h>
 #include <limits.h>
 #include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
+#include <unistd.h>
 
 enum { MEMORY_STEP = 1 << 20, REASON = 512 };
 
 struct gh_h5 {
   gh_context *ctx;
   char *path;
+  char kind[40];
   hid_t id;
   bool writing;
 };
@@ -54,47 +55,48 @@ static gh_status fail(const gh_h5 *f, gh_status s, const char *what, const char 
 
 /* ---- open and close ---- */
 
-static gh_status create(gh_context *ctx, const char *path, bool writing, gh_h5 **out) {
+static gh_status file_create(gh_context *ctx, const char *path, const char *kind, bool writing, gh_h5 **out) {
   gh_h5 *f;
   GH_TRY(gh_alloc(ctx, 1, sizeof *f, &f));
   *f = (gh_h5){.ctx = ctx, .path = strdup(path), .id = H5I_INVALID_HID, .writing = writing};
+  snprintf(f->kind, sizeof f->kind, "%s", kind);
   *out = f;
   return f->path ? GH_OK : gh_fail(ctx, GH_MEMORY, "%s: no memory for its name", path);
 }
 
-/* Opens what is there. No locks: files are replaced as a whole, and some network file systems refuse locks.
- */
-static gh_status open_existing(gh_h5 *f, hid_t access) {
-  struct stat info;
-  if (stat(f->path, &info) != 0)
-    return gh_fail(f->ctx, GH_INPUT, "%s: cannot be opened: %s", f->path, strerror(errno));
-  if (S_ISDIR(info.st_mode)) return gh_fail(f->ctx, GH_INPUT, "%s: is a folder, a file is wanted", f->path);
-  if (info.st_size == 0) return gh_fail(f->ctx, GH_INPUT, "%s: the file is empty", f->path);
+/* Opens what is there, once each of its bytes was checked. No locks: files are replaced as a whole, and some
+ * network file systems refuse locks. */
+static gh_status file_open(gh_h5 *f, hid_t access, bool *sealed) {
+  GH_TRY(gh_seal_check(f->ctx, f->path, f->kind, sealed));
   H5Pset_file_locking(access, false, true);
   f->id = H5Fopen(f->path, f->writing ? H5F_ACC_RDWR : H5F_ACC_RDONLY, access);
   return f->id < 0 ? fail(f, GH_INPUT, "open", "it as an HDF5 file") : GH_OK;
 }
 
-static gh_status open_for_change(gh_h5 *f, bool append) {
-  struct stat info;
-  bool there = append && stat(f->path, &info) == 0;
-  hid_t access = H5Pcreate(H5P_FILE_ACCESS);
-  gh_status s = GH_OK;
-  if (access < 0 || H5Pset_fapl_core(access, MEMORY_STEP, false) < 0) {
-    s = fail(f, GH_MEMORY, "make", "a file in memory");
-  } else if (there) {
-    s = open_existing(f, access);
-  } else {
-    f->id = H5Fcreate(f->path, H5F_ACC_TRUNC, H5P_DEFAULT, access);
-    if (f->id < 0) s = fail(f, GH_MEMORY, "make", "a file in memory");
-  }
-  if (access >= 0) H5Pclose(access);
+/* A new file, with room for the seal. */
+static gh_status file_make(gh_h5 *f, hid_t access) {
+  hid_t creation = H5Pcreate(H5P_FILE_CREATE);
+  if (creation >= 0 && H5Pset_userblock(creation, GH_SEAL) >= 0)
+    f->id = H5Fcreate(f->path, H5F_ACC_TRUNC, creation, access);
+  gh_status s = f->id < 0 ? fail(f, GH_MEMORY, "make", "a file in memory") : GH_OK;
+  if (creation >= 0) H5Pclose(creation);
   return s;
 }
 
-static gh_status open_to_read(gh_h5 *f) {
+static gh_status open_for_change(gh_h5 *f, bool append) {
+  bool there = append && access(f->path, F_OK) == 0;
+  hid_t how = H5Pcreate(H5P_FILE_ACCESS);
+  gh_status s = GH_OK;
+  if (how < 0 || H5Pset_fapl_core(how, MEMORY_STEP, false) < 0)
+    s = fail(f, GH_MEMORY, "make", "a file in memory");
+  else s = there ? file_open(f, how, NULL) : file_make(f, how);
+  if (how >= 0) H5Pclose(how);
+  return s;
+}
+
+static gh_status open_to_read(gh_h5 *f, bool *sealed) {
   hid_t access = H5Pcreate(H5P_FILE_ACCESS);
-  gh_status s = access < 0 ? fail(f, GH_MEMORY, "open", "it") : open_existing(f, access);
+  gh_status s = access < 0 ? fail(f, GH_MEMORY, "open", "it") : file_open(f, access, sealed);
   if (access >= 0) H5Pclose(access);
   return s;
 }
@@ -103,21 +105,21 @@ bool gh_h5_available(void) {
   return true;
 }
 
-gh_status gh_h5_open(gh_context *ctx, const char *path, bool append, gh_h5 **file) {
+gh_status gh_h5_open(gh_context *ctx, const char *path, const char *kind, bool append, gh_h5 **file) {
   *file = NULL;
   printing p = printing_off();
-  gh_status s = create(ctx, path, true, file);
+  gh_status s = file_create(ctx, path, kind, true, file);
   if (s == GH_OK) s = open_for_change(*file, append);
   if (s != GH_OK) gh_h5_close(file);
   printing_on(p);
   return s;
 }
 
-gh_status gh_h5_read(gh_context *ctx, const char *path, gh_h5 **file) {
+gh_status gh_h5_read(gh_context *ctx, const char *path, const char *kind, bool *sealed, gh_h5 **file) {
   *file = NULL;
   printing p = printing_off();
-  gh_status s = create(ctx, path, false, file);
-  if (s == GH_OK) s = open_to_read(*file);
+  gh_status s = file_create(ctx, path, kind, false, file);
+  if (s == GH_OK) s = open_to_read(*file, sealed);
   if (s != GH_OK) gh_h5_close(file);
   printing_on(p);
   return s;
@@ -133,7 +135,7 @@ void gh_h5_close(gh_h5 **file) {
   *file = NULL;
 }
 
-/* The file in memory, to disk. Its buffer grows in steps; the image is the part in use. */
+/* The file in memory, to disk. Its buffer grows in steps; the image is the part in use behind the seal. */
 static gh_status write_image(gh_h5 *f) {
   void **buffer;
   ssize_t size;
@@ -143,7 +145,8 @@ static gh_status write_image(gh_h5 *f) {
       H5Fget_vfd_handle(f->id, H5P_DEFAULT, (void **)&buffer) < 0) {
     return fail(f, GH_MEMORY, "finish", "the file in memory");
   }
-  return gh_file_write(f->ctx, f->path, *buffer, (size_t)size);
+  gh_seal_make(f->kind, *buffer, GH_SEAL + (size_t)size);
+  return gh_file_write(f->ctx, f->path, *buffer, GH_SEAL + (size_t)size);
 }
 
 gh_status gh_h5_commit(gh_h5 **file) {

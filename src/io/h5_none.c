@@ -11,12 +11,13 @@ static gh_status refuse(gh_context *ctx, const char *path, gh_h5 **file) {
   return gh_fail(ctx, GH_INPUT, "%s: this granhom was built without HDF5 (make HDF5=0)", path);
 }
 
-gh_status gh_h5_open(gh_context *ctx, const char *path, bool append, gh_h5 **file) {
-  (void)append;
+gh_status gh_h5_open(gh_context *ctx, const char *path, const char *kind, bool append, gh_h5 **file) {
+  (void)kind, (void)append;
   return refuse(ctx, path, file);
 }
 
-gh_status gh_h5_read(gh_context *ctx, const char *path, gh_h5 **file) {
+gh_status gh_h5_read(gh_context *ctx, const char *path, const char *kind, bool *sealed, gh_h5 **file) {
+  (void)kind, (void)sealed;
   return refuse(ctx, path, file);
 }
 

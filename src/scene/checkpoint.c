@@ -1,6 +1,6 @@
 /* Writing and reading checkpoints. SPDX-License-Identifier: GPL-2.0-or-later
  *
- * HDF5 keeps no checksums of such datasets, so that one over all of them stands in /check. */
+ * Besides the checksum of the file there is one over all datasets in /check. */
 #include "scene/checkpoint.h"
 
 #include <inttypes.h>
@@ -10,7 +10,7 @@
 #include <unistd.h>
 
 #define FILE_NAME "checkpoint.h5"
-#define FORMAT "granhom checkpoint 3"
+#define KIND "checkpoint 4"
 
 enum { POSITION = 4, HEX = 17, WORDS = (sizeof(gh_run_summary) + 7) / 8 };
 
@@ -82,7 +82,7 @@ enum { MARKS = 6 };
 
 static void find_marks(const gh_scene *s, mark list[MARKS]) {
   static const mark names[MARKS] = {
-      {"/made/format", "is no checkpoint of this version of granhom", FORMAT},
+      {"/made/format", "is no checkpoint of this version of granhom", KIND},
       {"/made/scene", "belongs to another scene file", ""},
       {"/made/mesh", "belongs to another mesh", ""},
       {"/made/packings", "belongs to other packings", ""},
@@ -254,7 +254,7 @@ gh_status scene_checkpoint_make(const scene_results *r, const scene_position *p,
   archive a = {.ctx = r->ctx, .sum = first_sum};
   char *path, check[HEX];
   GH_TRY(scene_result_path(r, FILE_NAME, &path));
-  gh_status status = gh_h5_open(r->ctx, path, false, &a.file);
+  gh_status status = gh_h5_open(r->ctx, path, KIND, false, &a.file);
   free(path);
   if (status != GH_OK) return status;
   GH_TRY_OR(put_marks(&a, r->scene), failed);
@@ -423,7 +423,7 @@ gh_status scene_checkpoint_read(scene_results *r, scene_position *p) {
   char *path;
   GH_TRY(scene_result_path(r, FILE_NAME, &path));
   if (stat(path, &info) == 0) a.bytes = (size_t)info.st_size;
-  gh_status status = gh_h5_read(r->ctx, path, &a.file);
+  gh_status status = gh_h5_read(r->ctx, path, KIND, NULL, &a.file);
   if (status == GH_OK) {
     status = get_all(&a, r, &c);
     if (status == GH_OK) status = use(r, p, &c);

@@ -217,8 +217,9 @@ gh_status scene_results_resume(scene_results *r, int frames) {
   gh_h5 *file = NULL;
   struct stat info;
   GH_TRY(scene_result_path(r, "results.h5", &path));
-  gh_status status = stat(path, &info) == 0 ? gh_h5_open(r->ctx, path, true, &file)
-                                            : gh_fail(r->ctx, GH_INPUT, "%s: %s", path, strerror(errno));
+  gh_status status = stat(path, &info) == 0
+                         ? gh_h5_open(r->ctx, path, scene_h5_kind("results.h5"), true, &file)
+                         : gh_fail(r->ctx, GH_INPUT, "%s: %s", path, strerror(errno));
   free(path);
   GH_TRY(status);
   status = cut_h5(file, frames);

@@ -28,6 +28,9 @@ struct scene_results {
 /* results.c: a file of the folder; the caller frees. */
 gh_status scene_result_path(const scene_results *r, const char *name, char **path);
 
+/* recorded.c: kind and version of an HDF5 file of the folder, for gh_h5_open. */
+const char *scene_h5_kind(const char *name);
+
 /* history.c */
 /* A set's name as part of a column's: no commas, spaces or quotes. */
 const char *scene_column(const gh_mesh *mesh, int set, char text[64]);

@@ -151,7 +151,7 @@ gh_status scene_write_h5(scene_results *r, const scene_frame *f) {
   char *path;
   gh_h5 *file = NULL;
   GH_TRY(scene_result_path(r, "results.h5", &path));
-  gh_status status = gh_h5_open(r->ctx, path, r->frames > 0, &file);
+  gh_status status = gh_h5_open(r->ctx, path, scene_h5_kind("results.h5"), r->frames > 0, &file);
   free(path);
   if (status != GH_OK) return status;
   if (r->frames == 0) GH_TRY_OR(put_mesh(r, file), failed);

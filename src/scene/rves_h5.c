@@ -106,8 +106,9 @@ static gh_status put_trace(scene_results *r, gh_h5 *file, int point, int counter
 static gh_status write_file(scene_results *r, const scene_frame *f, const unsigned char *take, bool traces) {
   char *path;
   gh_h5 *file = NULL;
-  GH_TRY(scene_result_path(r, traces ? "traces.h5" : "rves.h5", &path));
-  gh_status status = gh_h5_open(r->ctx, path, traces && f->counter > 0, &file);
+  const char *name = traces ? "traces.h5" : "rves.h5";
+  GH_TRY(scene_result_path(r, name, &path));
+  gh_status status = gh_h5_open(r->ctx, path, scene_h5_kind(name), traces && f->counter > 0, &file);
   free(path);
   if (status != GH_OK) return status;
   GH_TRY_OR(gh_h5_put_ints(file, "/step", 1, 1, &f->counter), failed);

@@ -200,7 +200,7 @@ o="-o out.csv --tangent tan.csv --dump a.dump --save-state s.h5"
   refused "state of a packing with a larger grain" "another packing: there grain 7 has the radius" ../grown.data --path ../path.csv --load-state ../state.h5 $o
   awk '/xlo/ { $2 += 1e-6 } { print }' CONVFMT=%.17g OFMT=%.17g $p >wide.data
   refused "state of a packing with another cell" "another packing, with the cell" ../wide.data --path ../path.csv --load-state ../state.h5 $o
-  refused "results for a state" "cannot find boundary" $p --path ../path.csv --load-state ../other.h5 $o
+  refused "results for a state" "has no checksum" $p --path ../path.csv --load-state ../other.h5 $o
 }
 mkdir folder
 native --path path.csv -o folder >said 2>&1

@@ -1,6 +1,8 @@
 /* Tests of HDF5 files. SPDX-License-Identifier: GPL-2.0-or-later */
+#include "io/seal.h"
 #include "test_io.h"
 
+#include <fcntl.h>
 #include <hdf5.h>
 #include <sys/wait.h>
 
@@ -11,7 +13,7 @@ static const int integers[3] = {-2147483647 - 1, 0, 2147483647};
 static const char *make_file(place *p, const char *name) {
   const char *path = in_folder(p, name);
   gh_h5 *f;
-  assert_int_equal(gh_h5_open(p->ctx, path, false, &f), GH_OK);
+  assert_int_equal(gh_h5_open(p->ctx, path, "test 1", false, &f), GH_OK);
   assert_int_equal(gh_h5_put_doubles(f, "/step0003/P", 2, 3, numbers), GH_OK);
   assert_int_equal(gh_h5_put_ints(f, "/step0003/deep/id", 3, 1, integers), GH_OK);
   assert_int_equal(gh_h5_put_text(f, "/run", "sand \xC3\xBC"), GH_OK);
@@ -35,7 +37,7 @@ static void a_round_trip_is_bitwise(void **state) {
   assert_int_equal(count_entries(p->folder), 1);
   assert_int_equal(stat(path, &info), 0);
   assert_true(info.st_size < 20000); /* no padding to speak of */
-  assert_int_equal(gh_h5_read(p->ctx, path, &f), GH_OK);
+  assert_int_equal(gh_h5_read(p->ctx, path, "test 1", NULL, &f), GH_OK);
   assert_int_equal(gh_h5_size(f, "/step0003/P", &rows, &cols), GH_OK);
   assert_true(rows == 2 && cols == 3);
   assert_int_equal(gh_h5_get_doubles(f, "/step0003/P", 2, 3, d), GH_OK);
@@ -71,7 +73,7 @@ static void a_text_is_a_string(void **state) {
   gh_h5 *f;
   char five[5];
   memset(text, 'x', sizeof text);
-  assert_int_equal(gh_h5_read(p->ctx, make_file(p, "b.h5"), &f), GH_OK);
+  assert_int_equal(gh_h5_read(p->ctx, make_file(p, "b.h5"), "test 1", NULL, &f), GH_OK);
   assert_int_equal(gh_h5_get_text(f, "/run", sizeof text, text), GH_OK);
   assert_string_equal(text, "sand \xC3\xBC");
   assert_int_equal(gh_h5_get_text(f, "/nothing", sizeof text, text), GH_OK);
@@ -92,23 +94,24 @@ static void appending_keeps_what_is_there(void **state) {
   gh_h5 *f;
   double d[6];
   size_t rows, cols;
-  assert_int_equal(gh_h5_open(p->ctx, path, true, &f), GH_OK);
+  assert_int_equal(gh_h5_open(p->ctx, path, "test 1", true, &f), GH_OK);
   assert_int_equal(gh_h5_put_doubles(f, "/step0004/P", 1, 1, numbers), GH_OK);
   assert_int_equal(gh_h5_put_doubles(f, "/none", 3, 2, numbers), GH_OK);
   assert_int_equal(gh_h5_get_doubles(f, "/none", 3, 2, d), GH_OK); /* before the commit, too */
   assert_int_equal(gh_h5_commit(&f), GH_OK);
-  assert_int_equal(gh_h5_read(p->ctx, path, &f), GH_OK);
+  assert_int_equal(gh_h5_read(p->ctx, path, "test 1", NULL, &f), GH_OK);
   assert_int_equal(gh_h5_get_doubles(f, "/step0003/P", 2, 3, d), GH_OK);
   assert_memory_equal(d, numbers, sizeof d);
   assert_int_equal(gh_h5_get_doubles(f, "/step0004/P", 1, 1, d), GH_OK);
   assert_int_equal(gh_h5_size(f, "/none", &rows, &cols), GH_OK);
   assert_true(rows == 3 && cols == 2);
   gh_h5_close(&f);
-  assert_int_equal(gh_h5_open(p->ctx, in_folder(p, "new.h5"), true, &f), GH_OK); /* nothing to append to */
+  assert_int_equal(gh_h5_open(p->ctx, in_folder(p, "new.h5"), "test 1", true, &f),
+                   GH_OK); /* nothing to append to */
   assert_int_equal(gh_h5_commit(&f), GH_OK);
-  assert_int_equal(gh_h5_open(p->ctx, path, false, &f), GH_OK);
+  assert_int_equal(gh_h5_open(p->ctx, path, "test 1", false, &f), GH_OK);
   assert_int_equal(gh_h5_commit(&f), GH_OK);
-  assert_int_equal(gh_h5_read(p->ctx, path, &f), GH_OK);
+  assert_int_equal(gh_h5_read(p->ctx, path, "test 1", NULL, &f), GH_OK);
   assert_int_equal(gh_h5_size(f, "/none", &rows, &cols), GH_INPUT);
   gh_h5_close(&f);
 }
@@ -121,7 +124,7 @@ static void without_commit_nothing_changes(void **state) {
   gh_h5 *f;
   char *old = get_file(path, &before);
   for (int append = 0; append < 2; append++) {
-    assert_int_equal(gh_h5_open(p->ctx, path, append, &f), GH_OK);
+    assert_int_equal(gh_h5_open(p->ctx, path, "test 1", append, &f), GH_OK);
     assert_int_equal(gh_h5_put_doubles(f, "/more", 6, 1, numbers), GH_OK);
     gh_h5_close(&f);
     char *now = get_file(path, &after);
@@ -156,7 +159,7 @@ static void a_full_disk_leaves_the_old_file(void **state) {
   char *old = get_file(path, &before);
   double *d = calloc(N, sizeof *d);
   for (int k = 0; k < 3; k++) {
-    assert_int_equal(gh_h5_open(p->ctx, path, true, &f), GH_OK);
+    assert_int_equal(gh_h5_open(p->ctx, path, "test 1", true, &f), GH_OK);
     assert_int_equal(gh_h5_put_doubles(f, "/large", N, 1, d), GH_OK);
     limit_files(65536);
     gh_status s = gh_h5_commit(&f);
@@ -169,7 +172,7 @@ static void a_full_disk_leaves_the_old_file(void **state) {
   char *now = get_file(path, &after);
   assert_int_equal(after, before);
   assert_memory_equal(now, old, before);
-  assert_int_equal(gh_h5_open(p->ctx, path, true, &f), GH_OK);
+  assert_int_equal(gh_h5_open(p->ctx, path, "test 1", true, &f), GH_OK);
   assert_int_equal(gh_h5_put_doubles(f, "/large", N, 1, d), GH_OK);
   assert_int_equal(gh_h5_commit(&f), GH_OK);
   free(now), free(old), free(d);
@@ -177,11 +180,11 @@ static void a_full_disk_leaves_the_old_file(void **state) {
 
 static void assert_no_file(place *p, const char *path, const char *message) {
   gh_h5 *f;
-  assert_int_equal(gh_h5_read(p->ctx, path, &f), GH_INPUT);
+  assert_int_equal(gh_h5_read(p->ctx, path, "test 1", NULL, &f), GH_INPUT);
   assert_null(f);
   assert_message(p, path, message);
   if (strstr(message, "No such file")) return;
-  assert_int_equal(gh_h5_open(p->ctx, path, true, &f), GH_INPUT);
+  assert_int_equal(gh_h5_open(p->ctx, path, "test 1", true, &f), GH_INPUT);
   assert_null(f);
   assert_message(p, path, message);
 }
@@ -195,13 +198,15 @@ static void what_is_no_hdf5_is_refused(void **state) {
   assert_no_file(p, in_folder(p, "none.h5"), ": cannot be opened: No such file or directory");
   assert_no_file(p, p->folder, ": is a folder, a file is wanted");
   assert_no_file(p, put_file(p, "b.h5", ""), ": the file is empty");
-  assert_no_file(p, put_file(p, "b.h5", "step,F11\n0,1\n"),
-                 ": cannot open it as an HDF5 file: file signature not found");
+  assert_no_file(
+      p, put_file(p, "b.h5", "step,F11\n0,1\n"),
+      ": is damaged, or no binary file of granhom: it does not start with \"granhom binary file, format "
+      "1\"");
   gh_h5 *f;
   for (size_t n = 1; n < length; n += n < 200 ? 1 : 97) {
     const char *path = put_bytes(p, "b.h5", whole, n);
-    assert_int_equal(gh_h5_read(p->ctx, path, &f), GH_INPUT);
-    assert_int_equal(gh_h5_open(p->ctx, path, true, &f), GH_INPUT);
+    assert_int_equal(gh_h5_read(p->ctx, path, "test 1", NULL, &f), GH_INPUT);
+    assert_int_equal(gh_h5_open(p->ctx, path, "test 1", true, &f), GH_INPUT);
   }
   free(whole);
 }
@@ -214,7 +219,7 @@ static void wrong_datasets_are_refused(void **state) {
   size_t rows, cols;
   double d[6];
   int i[6];
-  assert_int_equal(gh_h5_read(p->ctx, path, &f), GH_OK);
+  assert_int_equal(gh_h5_read(p->ctx, path, "test 1", NULL, &f), GH_OK);
   assert_int_equal(gh_h5_size(f, "/step0003/Q", &rows, &cols), GH_INPUT);
   assert_message(p, path, ": cannot find /step0003/Q: object 'Q' doesn't exist");
   assert_int_equal(gh_h5_size(f, "/x/y/z", &rows, &cols), GH_INPUT);
@@ -229,22 +234,149 @@ static void wrong_datasets_are_refused(void **state) {
   assert_int_equal(gh_h5_put_text(f, "/text", "x"), GH_INTERNAL);
   assert_int_equal(gh_h5_commit(&f), GH_INTERNAL);
   assert_null(f);
-  assert_int_equal(gh_h5_open(p->ctx, path, true, &f), GH_OK);
+  assert_int_equal(gh_h5_open(p->ctx, path, "test 1", true, &f), GH_OK);
   assert_int_equal(gh_h5_put_doubles(f, "/step0003", 1, 1, d), GH_INTERNAL); /* a group is not replaced */
   assert_int_equal(gh_h5_put_doubles(f, "/d", SIZE_MAX / 8, 3, d), GH_INTERNAL);
   gh_h5_close(&f);
 }
 
+/* The same data as another program would write them. */
+static const char *make_plain(place *p, const char *name) {
+  hid_t from = H5Fopen(make_file(p, "sealed.h5"), H5F_ACC_RDONLY, H5P_DEFAULT);
+  const char *path = in_folder(p, name);
+  hid_t to = H5Fcreate(path, H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT);
+  assert_true(H5Ocopy(from, "/step0003", to, "/step0003", H5P_DEFAULT, H5P_DEFAULT) >= 0);
+  H5Fclose(from), H5Fclose(to);
+  return path;
+}
+
+/* The checksum is XXH64: values that its author publishes, and lengths around the stripe. */
+static void the_checksum_is_xxh64(void **state) {
+  static const struct {
+    const char *text;
+    uint64_t sum;
+  } known[] = {{"", 0xef46db3751d8e999u},
+               {"a", 0xd24ec4f1a98c6e5bu},
+               {"abc", 0x44bc2cf5ad770999u},
+               {"Call me Ishmael. Some years ago--never mind how long precisely-", 0x02a2e85470d6fd96u}};
+  (void)state;
+  for (size_t k = 0; k < sizeof known / sizeof *known; k++) {
+    gh_sum sum;
+    gh_sum_begin(&sum);
+    gh_sum_add(&sum, known[k].text, strlen(known[k].text));
+    assert_true(gh_sum_end(&sum) == known[k].sum);
+  }
+  char bytes[200];
+  for (size_t n = 0; n < sizeof bytes; n++) bytes[n] = (char)(7 * n);
+  for (size_t n = 32; n < sizeof bytes; n++) { /* at once, and stripe by stripe */
+    gh_sum once, twice;
+    gh_sum_begin(&once), gh_sum_begin(&twice);
+    gh_sum_add(&once, bytes, n);
+    for (size_t at = 0; at < n; at += 32) gh_sum_add(&twice, bytes + at, n - at < 32 ? n - at : 32);
+    assert_true(gh_sum_end(&once) == gh_sum_end(&twice));
+  }
+}
+
+static void flip(int fd, size_t at, int bit) {
+  char byte;
+  assert_int_equal(pread(fd, &byte, 1, (off_t)at), 1);
+  byte = (char)(byte ^ 1 << bit);
+  assert_int_equal(pwrite(fd, &byte, 1, (off_t)at), 1);
+}
+
+static void assert_damaged(place *p, const char *path) {
+  gh_h5 *f;
+  bool sealed;
+  assert_int_equal(gh_h5_read(p->ctx, path, "test 1", &sealed, &f), GH_INPUT);
+  assert_non_null(strstr(gh_message(p->ctx), path));
+  assert_non_null(strstr(gh_message(p->ctx), "damaged"));
+  assert_int_equal(gh_h5_open(p->ctx, path, "test 1", true, &f), GH_INPUT);
+  assert_null(f);
+}
+
+/* Any bit that is flipped is seen: all of them in the header and what follows it, 2000 at random behind. */
+static void any_flipped_bit_is_seen(void **state) {
+  enum { HEAD = 640, RANDOM = 2000 };
+  place *p = *state;
+  const char *path = make_file(p, "a.h5");
+  unsigned seed = (unsigned)getpid();
+  struct stat info;
+  print_message("seed %u\n", seed);
+  srand(seed);
+  int fd = open(path, O_RDWR);
+  assert_true(fd >= 0);
+  assert_int_equal(fstat(fd, &info), 0);
+  assert_true(info.st_size > 2 * HEAD);
+  for (int k = 0; k < 8 * HEAD + RANDOM; k++) {
+    size_t at = k < 8 * HEAD ? (size_t)k / 8 : (size_t)rand() % (size_t)info.st_size;
+    flip(fd, at, k % 8);
+    assert_damaged(p, path);
+    flip(fd, at, k % 8);
+  }
+  close(fd);
+  gh_h5 *f;
+  assert_int_equal(gh_h5_read(p->ctx, path, "test 1", NULL, &f), GH_OK);
+  gh_h5_close(&f);
+}
+
+/* A file that is cut anywhere, longer by a byte, or put together of two. */
+static void other_lengths_are_seen(void **state) {
+  place *p = *state;
+  size_t length;
+  char *whole = get_file(make_file(p, "a.h5"), &length), *longer = calloc(2, length);
+  for (size_t n = 1; n < length; n += n < 600 ? 1 : 61) assert_damaged(p, put_bytes(p, "b.h5", whole, n));
+  memcpy(longer, whole, length);
+  assert_damaged(p, put_bytes(p, "b.h5", longer, length + 1));
+  memcpy(longer + length, whole, length);
+  assert_damaged(p, put_bytes(p, "b.h5", longer, 2 * length));
+  memset(longer + length / 2, 0, length - length / 2); /* a block that never came to disk */
+  assert_damaged(p, put_bytes(p, "b.h5", longer, length));
+  free(whole), free(longer);
+}
+
+/* Kind and version are those that the reader wants. */
+static void other_kinds_are_refused(void **state) {
+  place *p = *state;
+  const char *path = make_file(p, "a.h5");
+  gh_h5 *f;
+  assert_int_equal(gh_h5_read(p->ctx, path, "test 2", NULL, &f), GH_INPUT);
+  assert_message(p, path,
+                 ": holds a test 1 of granhom, wanted is a test 2 (the number is the version of the format)");
+  assert_int_equal(gh_h5_open(p->ctx, path, "state 1", true, &f), GH_INPUT);
+}
+
+/* HDF5 files of other programs are refused, or read where the caller allows that; never appended to. */
+static void files_without_a_checksum(void **state) {
+  place *p = *state;
+  const char *path = make_plain(p, "plain.h5");
+  gh_h5 *f;
+  bool sealed = true;
+  double d[6];
+  assert_int_equal(gh_h5_read(p->ctx, path, "test 1", NULL, &f), GH_INPUT);
+  assert_non_null(strstr(gh_message(p->ctx), "plain.h5: has no checksum"));
+  assert_int_equal(gh_h5_open(p->ctx, path, "test 1", true, &f), GH_INPUT);
+  assert_int_equal(gh_h5_read(p->ctx, path, "test 1", &sealed, &f), GH_OK);
+  assert_false(sealed);
+  assert_int_equal(gh_h5_get_doubles(f, "/step0003/P", 2, 3, d), GH_OK);
+  assert_memory_equal(d, numbers, sizeof d);
+  gh_h5_close(&f);
+  assert_int_equal(gh_h5_read(p->ctx, make_file(p, "a.h5"), "test 1", &sealed, &f), GH_OK);
+  assert_true(sealed);
+  gh_h5_close(&f);
+  assert_int_equal(gh_h5_read(p->ctx, "/dev/zero", "test 1", NULL, &f), GH_INPUT);
+  assert_string_equal(gh_message(p->ctx), "/dev/zero: is a device or a pipe, a file is wanted");
+}
+
 static bool read_damaged(place *p) {
   size_t length;
-  char *whole = get_file(make_file(p, "a.h5"), &length), *damaged = malloc(length);
-  bool fine = true;
+  char *whole = get_file(make_plain(p, "a.h5"), &length), *damaged = malloc(length);
+  bool fine = true, sealed;
   for (int k = 0; k < 500; k++) {
     gh_h5 *f;
     double d[6];
     memcpy(damaged, whole, length);
     for (int c = 0; c < 8; c++) damaged[(size_t)rand() % length] = (char)rand();
-    gh_status s = gh_h5_read(p->ctx, put_bytes(p, "b.h5", damaged, length), &f);
+    gh_status s = gh_h5_read(p->ctx, put_bytes(p, "b.h5", damaged, length), "test 1", &sealed, &f);
     fine = fine && (s == GH_OK || s == GH_INPUT);
     if (s != GH_OK) continue;
     s = gh_h5_get_doubles(f, "/step0003/P", 2, 3, d);
@@ -255,8 +387,9 @@ static bool read_damaged(place *p) {
   return fine;
 }
 
-/* Bytes changed at random give numbers or a message, never a crash. A process of its own: HDF5 1.10 loses
- * track of what it has open when metadata are damaged, and complains of it at the end. */
+/* In a file without a checksum bytes changed at random give numbers or a message, never a crash. A process of
+ * its own: HDF5 1.10 loses track of what it has open when metadata are damaged, and complains of it at the
+ * end. */
 static void random_damage_is_safe(void **state) {
   int status;
   srand(9);
@@ -280,7 +413,7 @@ static void error_printing_is_left_alone(void **state) {
   gh_h5 *f;
   H5Eget_auto2(H5E_DEFAULT, &function, &data);
   assert_non_null(function);
-  assert_int_equal(gh_h5_read(p->ctx, "/none", &f), GH_INPUT);
+  assert_int_equal(gh_h5_read(p->ctx, "/none", "test 1", NULL, &f), GH_INPUT);
   H5Eget_auto2(H5E_DEFAULT, &now, &data_now);
   assert_true(now == function && data_now == data);
 }
@@ -291,6 +424,9 @@ int main(void) {
       TEST(appending_keeps_what_is_there),   TEST(without_commit_nothing_changes),
       TEST(files_are_reproducible),          TEST(what_is_no_hdf5_is_refused),
       TEST(a_full_disk_leaves_the_old_file), TEST(wrong_datasets_are_refused),
-      TEST(random_damage_is_safe),           TEST(error_printing_is_left_alone)};
+      TEST(the_checksum_is_xxh64),           TEST(any_flipped_bit_is_seen),
+      TEST(other_lengths_are_seen),          TEST(other_kinds_are_refused),
+      TEST(files_without_a_checksum),        TEST(random_damage_is_safe),
+      TEST(error_printing_is_left_alone)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,0 +1,30 @@
+/* Checksums of binary files. SPDX-License-Identifier: GPL-2.0-or-later */
+#ifndef GRANHOM_IO_SEAL_H
+#define GRANHOM_IO_SEAL_H
+
+#include "granhom/base.h"
+
+#include <stdint.h>
+
+/* XXH64 with the seed 0. What is added must have a multiple of GH_SUM_STRIPE bytes each time, but for the
+ * last time. */
+enum { GH_SUM_STRIPE = 32 };
+typedef struct gh_sum {
+  uint64_t lane[4], size;
+  unsigned char rest[GH_SUM_STRIPE];
+} gh_sum;
+void gh_sum_begin(gh_sum *sum);
+void gh_sum_add(gh_sum *sum, const void *data, size_t size);
+uint64_t gh_sum_end(const gh_sum *sum);
+
+/* Bytes at the front of a file that the seal takes. */
+enum { GH_SEAL = 512 };
+/* Seals a file in memory, of length bytes (at least GH_SEAL). kind: what it holds and the version of that,
+ * "state 1", at most 39 letters. */
+void gh_seal_make(const char *kind, void *bytes, size_t length);
+/* Checks each byte of a file. GH_INPUT: missing, empty, no file, damaged (whatever was changed, cut off or
+ * appended), of another kind, or an HDF5 file without a seal; with `sealed` the latter is allowed, and
+ * *sealed tells. GH_SYSTEM: cannot be read. */
+gh_status gh_seal_check(gh_context *ctx, const char *path, const char *kind, bool *sealed);
+
+#endif
