@@ -4,7 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { MAX_COLUMNS = 10000 };
+enum { MAX_COLUMNS = 10000, MOST_MEGABYTES = 256 };
 
 /* The next line that says something; NULL at the end. */
 static char *next_line(gh_reader *r) {
@@ -94,7 +94,7 @@ gh_status gh_csv_read(gh_context *ctx, const char *path, gh_csv **out) {
   *out = NULL;
   gh_reader r;
   gh_csv *csv;
-  GH_TRY(gh_reader_open(ctx, path, &r));
+  GH_TRY(gh_reader_open_most(ctx, path, MOST_MEGABYTES, &r));
   gh_status s = gh_alloc(ctx, 1, sizeof *csv, &csv);
   if (s == GH_OK) s = read_header(ctx, &r, csv);
   if (s == GH_OK) s = read_rows(ctx, &r, csv);

@@ -23,15 +23,20 @@ typedef struct gh_reader {
   size_t length;
   char *next; /* what gh_reader_line hands out next */
   int line;   /* number of the line handed out last */
+  bool empty; /* the file holds nothing, which is why it could not be opened */
 } gh_reader;
 
-/* Reads the whole file ("-": standard input). GH_INPUT when it is missing, a folder, empty, binary (a zero
- * byte) or above 2 GiB. A byte order mark is dropped. The path is not copied. */
+/* Reads the whole file ("-": standard input), at most so many MiB of it. GH_INPUT when it is missing, a
+ * folder, a pipe that nobody writes into, empty, larger, or no text (a zero byte; UTF-16, archives and binary
+ * meshes are named). The byte order mark of UTF-8 is dropped, and lines may end with CR LF, LF or CR alone.
+ * The path is not copied. */
+gh_status gh_reader_open_most(gh_context *ctx, const char *path, int megabytes, gh_reader *reader);
+/* The same for at most 1 GiB. */
 gh_status gh_reader_open(gh_context *ctx, const char *path, gh_reader *reader);
 void gh_reader_close(gh_reader *reader);
 /* The whole file as a text that the caller frees; errors of gh_reader_open. */
 gh_status gh_file_text(gh_context *ctx, const char *path, char **text);
-/* The next line without its end (LF or CR LF), to be changed at will; NULL at the end. */
+/* The next line without its end, to be changed at will; NULL at the end. */
 char *gh_reader_line(gh_reader *reader);
 
 /* Cuts text at white space in place; returns how many words there are, storing the first `max` of them. */
@@ -44,6 +49,10 @@ enum { GH_QUOTE = 64 };
 const char *gh_quote(const char *text, char out[GH_QUOTE]);
 
 /* ---- number.c ---- */
+
+/* Why a word that was meant as a number is probably none, as an end of the message: " (a decimal comma;
+ * ...)". "" when nothing comes to mind. */
+const char *gh_number_hint(const char *text);
 
 /* Numbers are read and written with a decimal point whatever the locale of the program is. A begin belongs to
  * each end. */

@@ -8,6 +8,7 @@
 #include <string.h>
 
 enum {
+  MOST_MEGABYTES = 512,
   MAX_TYPES = 10000,  /* LAMMPS's pair styles keep tables of types x types */
   ATOM_WORDS = 7,     /* id type diameter density x y z */
   FLAGGED_WORDS = 10, /* and three image flags */
@@ -305,7 +306,7 @@ static gh_status read_file(parser *p) {
 gh_status gh_lammps_data_read(gh_context *ctx, const char *path, gh_lammps_data **data) {
   *data = NULL;
   parser p = {.ctx = ctx};
-  GH_TRY(gh_reader_open(ctx, path, &p.r));
+  GH_TRY(gh_reader_open_most(ctx, path, MOST_MEGABYTES, &p.r));
   gh_status s = gh_alloc(ctx, 1, sizeof *p.data, &p.data);
   if (s == GH_OK) s = read_file(&p);
   gh_reader_close(&p.r);

@@ -3,6 +3,7 @@
 
 #include <errno.h>
 #include <stdlib.h>
+#include <string.h>
 
 gh_c_locale gh_c_locale_begin(void) {
   gh_c_locale l = {.ours = newlocale(LC_ALL_MASK, "C", (locale_t)0), .theirs = (locale_t)0};
@@ -58,4 +59,21 @@ bool gh_parse_integer(const char *text, long low, long high, long *value) {
   if (errno == ERANGE || v < low || v > high) return false;
   *value = v;
   return true;
+}
+
+/* Digits, signs, blanks and the characters of `more` alone. */
+static bool made_of_digits(const char *text, const char *more) {
+  for (; *text; text++)
+    if (!(*text >= '0' && *text <= '9') && !strchr("+-. ", *text) && !strchr(more, *text)) return false;
+  return true;
+}
+
+const char *gh_number_hint(const char *text) {
+  if (strstr(text, "\xE2\x88\x92")) return " (its sign is U+2212; a hyphen-minus is wanted)";
+  if (strstr(text, "\xC2\xA0") || strstr(text, "\xE2\x80\xAF"))
+    return " (it holds a blank that does not break)";
+  if (strchr(text, ',') && made_of_digits(text, ",eE"))
+    return " (a comma: a decimal point is wanted, and no sign between thousands)";
+  if (strpbrk(text, "dD") && made_of_digits(text, "dD")) return " (an exponent of Fortran; e is wanted)";
+  return "";
 }

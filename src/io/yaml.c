@@ -187,7 +187,8 @@ static gh_status parse(gh_context *ctx, const gh_reader *r, gh_yaml **out) {
 gh_status gh_yaml_read(gh_context *ctx, const char *path, gh_yaml **out) {
   *out = NULL;
   gh_reader r;
-  GH_TRY(gh_reader_open(ctx, path, &r));
+  enum { MOST_MEGABYTES = 16 }; /* libyaml takes a hundred bytes for each byte of lists */
+  GH_TRY(gh_reader_open_most(ctx, path, MOST_MEGABYTES, &r));
   gh_status s = parse(ctx, &r, out);
   gh_reader_close(&r);
   return s;

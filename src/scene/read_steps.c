@@ -18,11 +18,12 @@ static gh_status find_set(const gh_scene *s, node map, const char *what, bool ed
   *set = gh_mesh_find(s->mesh, name);
   if (*set < 0) {
     char known[256] = "";
-    for (int k = 0; k < s->nsets; k++) {
-      size_t at = strlen(known);
-      snprintf(known + at, sizeof known - at, "%s%s", k ? ", " : "", s->mesh->sets[k].name);
-    }
-    return gh_yaml_fail(n, "there is no edge or set '%s'; the mesh has: %s", name, *known ? known : "none");
+    size_t at = 0;
+    for (int k = 0; k < s->nsets && at < sizeof known; k++)
+      at += (size_t)snprintf(known + at, sizeof known - at, "%s%s", k ? ", " : "", s->mesh->sets[k].name);
+    if (at >= sizeof known) memcpy(known + sizeof known - 4, "...", 4);
+    return gh_yaml_fail(n, "there is no edge or set '%s'; the mesh has: %s", name,
+                        *known ? known : "none (sets are the physical groups of lines and points)");
   }
   if (edges && s->mesh->sets[*set].nedges == 0)
     return gh_yaml_fail(n, "a %s needs edges of the boundary, and set '%s' has none", what, name);

@@ -1,0 +1,169 @@
+/* Physical groups of Gmsh meshes. SPDX-License-Identifier: GPL-2.0-or-later */
+#include "macro/gmsh.h"
+
+#include <limits.h>
+#include <stdlib.h>
+#include <string.h>
+
+typedef struct side { /* an edge of a quadrilateral, counter-clockwise, with its nodes also in order */
+  int low, high, a, b;
+} side;
+
+static int by_side(const void *p, const void *q) {
+  const side *a = p, *b = q;
+  if (a->low != b->low) return a->low < b->low ? -1 : 1;
+  return (a->high > b->high) - (a->high < b->high);
+}
+
+/* The edges that belong to one quadrilateral only, sorted. */
+static gh_status find_boundary(gh_context *ctx, const gh_mesh *mesh, side **sides, int *n) {
+  int all = 0, kept = 0;
+  GH_TRY(gh_alloc(ctx, 4 * (size_t)mesh->nelements, sizeof **sides, sides));
+  for (int e = 0; e < mesh->nelements; e++)
+    for (int k = 0; k < 4; k++) {
+      int a = mesh->quad[e][k], b = mesh->quad[e][(k + 1) % 4];
+      (*sides)[all++] = (side){a < b ? a : b, a < b ? b : a, a, b};
+    }
+  qsort(*sides, (size_t)all, sizeof **sides, by_side);
+  for (int k = 0, next; k < all; k = next) {
+    for (next = k + 1; next < all && by_side(*sides + k, *sides + next) == 0;) next++;
+    if (next == k + 1) (*sides)[kept++] = (*sides)[k];
+  }
+  *n = kept;
+  return GH_OK;
+}
+
+static int by_value(const void *p, const void *q) {
+  return *(const int *)p - *(const int *)q;
+}
+
+typedef struct member { /* a line or a point in one of its physical groups */
+  int dim, cell;
+  long tag;
+} member;
+
+/* Lines before points, groups in the order of their numbers, elements in that of the file. */
+static int by_group(const void *p, const void *q) {
+  const member *a = p, *b = q;
+  if (a->dim != b->dim) return b->dim - a->dim;
+  if (a->tag != b->tag) return a->tag < b->tag ? -1 : 1;
+  return a->cell - b->cell;
+}
+
+/* All members of all groups, sorted. A line may be listed twice in a group. */
+static gh_status list_members(const gh_msh *g, member **members, int *n) {
+  size_t all = 0;
+  *n = 0;
+  for (int c = 0; c < g->ncells; c++)
+    if (g->cells[c].nnodes <= 2) all += (size_t)g->cells[c].group[1];
+  if (all > INT_MAX / 8)
+    return gh_fail(g->s.ctx, GH_INPUT,
+                   "%s: lines and points are in physical groups %zu times, at most %d are possible",
+                   g->s.path, all, INT_MAX / 8);
+  GH_TRY(gh_alloc(g->s.ctx, all, sizeof **members, members));
+  for (int c = 0; c < g->ncells; c++) {
+    const gh_msh_cell *cell = g->cells + c;
+    if (cell->nnodes > 2) continue;
+    for (int k = 0; k < cell->group[1]; k++)
+      (*members)[(*n)++] = (member){cell->nnodes - 1, c, g->groups[cell->group[0] + k]};
+  }
+  qsort(*members, (size_t)*n, sizeof **members, by_group);
+  return GH_OK;
+}
+
+/* Nodes and edges of one physical group. Nodes that no quadrilateral uses are not in the mesh. */
+static gh_status fill_set(gh_msh *g, const member *members, int n, const side *sides, int nsides,
+                          gh_mesh_set *set) {
+  GH_TRY(gh_alloc(g->s.ctx, 2 * (size_t)n, sizeof *set->nodes, &set->nodes));
+  GH_TRY(gh_alloc(g->s.ctx, (size_t)n, sizeof *set->edges, &set->edges));
+  for (int k = 0; k < n; k++) {
+    if (k && members[k].cell == members[k - 1].cell) continue;
+    const gh_msh_cell *cell = g->cells + members[k].cell;
+    int node[2] = {-1, -1};
+    for (int a = 0; a < cell->nnodes; a++) {
+      node[a] = g->nodes[cell->node[a]].index;
+      if (node[a] >= 0) set->nodes[set->nnodes++] = node[a];
+    }
+    if (node[0] < 0 || node[1] < 0) continue;
+    side key = {node[0] < node[1] ? node[0] : node[1], node[0] < node[1] ? node[1] : node[0], 0, 0};
+    const side *found = bsearch(&key, sides, (size_t)nsides, sizeof *sides, by_side);
+    if (!found) continue;
+    set->edges[set->nedges][0] = found->a;
+    set->edges[set->nedges++][1] = found->b;
+  }
+  qsort(set->nodes, (size_t)set->nnodes, sizeof *set->nodes, by_value);
+  int kept = 0;
+  for (int k = 0; k < set->nnodes; k++)
+    if (kept == 0 || set->nodes[k] != set->nodes[kept - 1]) set->nodes[kept++] = set->nodes[k];
+  set->nnodes = kept;
+  return GH_OK;
+}
+
+static gh_status name_set(gh_msh *g, int dim, long tag, gh_mesh_set *set) {
+  char number[32];
+  snprintf(number, sizeof number, "%ld", tag);
+  int k = gh_msh_find(g->names, g->nnames, sizeof *g->names, dim, tag);
+  const char *name = k >= 0 ? g->names[k].text : number;
+  GH_TRY(gh_alloc(g->s.ctx, strlen(name) + 1, 1, &set->name));
+  strcpy(set->name, name);
+  return GH_OK;
+}
+
+/* The set of the n members of one group, unless the mesh has none of its nodes. */
+static gh_status add_set(gh_msh *g, const member *members, int n, const side *sides, int nsides,
+                         gh_mesh *mesh) {
+  gh_mesh_set set = {0};
+  gh_status status = fill_set(g, members, n, sides, nsides, &set);
+  if (status == GH_OK && set.nnodes > 0) status = name_set(g, members->dim, members->tag, &set);
+  if (status != GH_OK || set.nnodes == 0) {
+    free(set.nodes);
+    free(set.edges);
+    free(set.name);
+    return status;
+  }
+  mesh->sets[mesh->nsets++] = set;
+  return GH_OK;
+}
+
+static int by_name(const void *p, const void *q) {
+  return strcmp(*(char *const *)p, *(char *const *)q);
+}
+
+/* Sets are looked up by their names. */
+static gh_status check_names(const gh_msh *g, const gh_mesh *mesh) {
+  const char **names;
+  GH_TRY(gh_alloc(g->s.ctx, (size_t)mesh->nsets, sizeof *names, &names));
+  for (int k = 0; k < mesh->nsets; k++) names[k] = mesh->sets[k].name;
+  qsort(names, (size_t)mesh->nsets, sizeof *names, by_name);
+  gh_status status = GH_OK;
+  char quoted[GH_QUOTE];
+  for (int k = 1; k < mesh->nsets && status == GH_OK; k++)
+    if (strcmp(names[k - 1], names[k]) == 0)
+      status = gh_fail(g->s.ctx, GH_INPUT, "%s: two physical groups of points and lines are called \"%s\"",
+                       g->s.path, gh_quote(names[k], quoted));
+  free(names);
+  return status;
+}
+
+gh_status gh_msh_sets(gh_msh *g, gh_mesh *mesh) {
+  side *sides = NULL;
+  member *members = NULL;
+  int nsides, n, groups = 0;
+  gh_status status;
+  GH_TRY_OR(find_boundary(g->s.ctx, mesh, &sides, &nsides), done);
+  GH_TRY_OR(list_members(g, &members, &n), done);
+  for (int k = 0; k < n; k++)
+    groups += k == 0 || members[k].dim != members[k - 1].dim || members[k].tag != members[k - 1].tag;
+  GH_TRY_OR(gh_alloc(g->s.ctx, (size_t)groups, sizeof *mesh->sets, &mesh->sets), done);
+  for (int k = 0, next; k < n; k = next) {
+    for (next = k + 1;
+         next < n && members[next].dim == members[k].dim && members[next].tag == members[k].tag;)
+      next++;
+    GH_TRY_OR(add_set(g, members + k, next - k, sides, nsides, mesh), done);
+  }
+  status = check_names(g, mesh);
+done:
+  free(sides);
+  free(members);
+  return status;
+}
