@@ -112,6 +112,7 @@ const char *gh_yaml_key(gh_yaml_node map, int k, gh_yaml_node *value);
 gh_status gh_yaml_number(gh_yaml_node node, const char *what, double low, double high, double *value);
 gh_status gh_yaml_integer(gh_yaml_node node, const char *what, long low, long high, long *value);
 gh_status gh_yaml_bool(gh_yaml_node node, const char *what, bool *value);
+/* A text of one line: control characters are refused. */
 gh_status gh_yaml_text(gh_yaml_node node, const char *what, const char **value);
 gh_status gh_yaml_numbers(gh_yaml_node node, const char *what, int n, double *values);
 /* Puts a value in the place of another, in memory. key: the way there from the root, with dots, entries of

@@ -141,8 +141,12 @@ gh_status gh_picture_curves(gh_context *ctx, const char *folder, const char *png
 /* Residuals over the iterations of the last increments. Needs gnuplot. */
 gh_status gh_picture_convergence(gh_context *ctx, const char *folder, const char *png);
 /* A drawing of the caller's own: commands of gnuplot, after a preamble that sets the terminal and the looks
- * of the others. Needs gnuplot. */
+ * of the others. Needs gnuplot. Texts that are not the program's own (titles, names, units) are printed into
+ * the commands by gh_picture_string; commands with '!', '`', '@' or `system` in them are refused. */
 gh_status gh_picture_script(gh_context *ctx, const char *commands, int width, int height, const char *png);
+/* Any text as a string of gnuplot: escaped byte by byte, so that nothing in it is a command. Control
+ * characters become '?'. Use it with `noenhanced`. */
+void gh_picture_string(gh_text *out, const char *text);
 
 /* ---- a report ---- */
 

@@ -48,6 +48,12 @@ enum { GH_QUOTE = 64 };
 /* text made fit for a message: control characters become '?', long texts are cut with "...". Returns out. */
 const char *gh_quote(const char *text, char out[GH_QUOTE]);
 
+/* ---- unprintable.c ---- */
+
+/* What a text of one line does not hold: control characters (line breaks and tabs among them), bytes that are
+ * not UTF-8. NULL: it holds none; else `name`, filled with words for a message: "a line break". */
+const char *gh_unprintable(const char *text, char name[GH_QUOTE]);
+
 /* ---- number.c ---- */
 
 /* Why a word that was meant as a number is probably none, as an end of the message: " (a decimal comma;

@@ -419,11 +419,14 @@ gh_status gh_yaml_bool(gh_yaml_node node, const char *what, bool *value) {
 }
 
 gh_status gh_yaml_text(gh_yaml_node node, const char *what, const char **value) {
+  char control[GH_QUOTE];
   if (!gh_yaml_has(node)) return gh_yaml_fail(node, "%s is missing, a text is wanted", what);
   if (!gh_yaml_is_scalar(node))
     return gh_yaml_fail(node, "%s is %s, a text is wanted", what, gh_yaml_kind(node));
   const yaml_node_t *n = get(node.doc, node.node);
   if (n->data.scalar.length == 0) return gh_yaml_fail(node, "%s is empty, a text is wanted", what);
+  if (gh_unprintable(text_of(n), control))
+    return gh_yaml_fail(node, "%s holds %s, a text in one line is wanted", what, control);
   *value = text_of(n);
   return GH_OK;
 }

@@ -6,14 +6,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* A set's name as part of a column's: no commas, spaces or quotes. */
-const char *scene_column(const gh_mesh *mesh, int set, char text[64]) {
-  snprintf(text, 64, "%s", mesh->sets[set].name);
-  for (char *c = text; *c; c++)
-    if (*c == ',' || *c == ' ' || *c == '"' || *c == '\'') *c = '_';
-  return text;
-}
-
 static bool pressed(const gh_scene *s, int set) {
   for (int k = 0; k < s->nsteps; k++)
     for (int j = 0; j < s->steps[k].npressures; j++)
@@ -42,61 +34,67 @@ static bool founded(const gh_scene *s, int set) {
   return false;
 }
 
-/* Writes the header (frame NULL) or how footings have moved. */
-static void history_footings(scene_results *r, const scene_frame *frame) {
-  const gh_mesh *mesh = r->scene->mesh;
-  char name[64];
-  for (int set = 0; set < r->scene->nsets; set++) {
-    if (!founded(r->scene, set)) continue;
-    double u[2], turn;
-    scene_column(mesh, set, name);
-    gh_macro_footing(r->macro, set, u, &turn);
-    if (frame) gh_text_print(r->history, ",%.17g,%.17g,%.17g", u[0], u[1], turn);
-    else gh_text_print(r->history, ",footing_ux_%s,footing_uy_%s,footing_turn_%s", name, name, name);
+static void footings_columns(const gh_scene *s, gh_text *t) {
+  char name[SCENE_COLUMN];
+  for (int set = 0; set < s->nsets; set++) {
+    if (!founded(s, set)) continue;
+    scene_column(s->mesh->sets[set].name, name);
+    gh_text_print(t, ",footing_ux_%s,footing_uy_%s,footing_turn_%s", name, name, name);
   }
 }
 
-/* Writes the header (frame NULL) or the loads of a row: one list of columns for both. */
-static void history_loads(scene_results *r, const scene_frame *frame) {
-  const gh_scene *s = r->scene;
-  gh_text *t = r->history;
-  char name[64];
+/* How they have moved. */
+static void history_footings(scene_results *r) {
+  for (int set = 0; set < r->scene->nsets; set++) {
+    double u[2], turn;
+    if (!founded(r->scene, set)) continue;
+    gh_macro_footing(r->macro, set, u, &turn);
+    gh_text_print(r->history, ",%.17g,%.17g,%.17g", u[0], u[1], turn);
+  }
+}
+
+/* Writes the header (names) or the loads of a row: one list of columns for both. */
+static void history_loads(const gh_scene *s, gh_text *t, bool names) {
+  char name[SCENE_COLUMN];
   for (int set = 0; set < s->nsets; set++) {
     gh_scene_load load;
     gh_scene_load_on(s, set, &load);
-    scene_column(s->mesh, set, name);
-    if (pressed(s, set)) frame ? gh_text_print(t, ",%.17g", load.pressure) : gh_text_print(t, ",p_%s", name);
+    scene_column(s->mesh->sets[set].name, name);
+    if (pressed(s, set)) names ? gh_text_print(t, ",p_%s", name) : gh_text_print(t, ",%.17g", load.pressure);
     for (int i = 0; i < 2; i++) {
       if (driven(s, set, i))
-        frame ? gh_text_print(t, ",%.17g", load.displacement[i]) : gh_text_print(t, ",u%c_%s", "xy"[i], name);
+        names ? gh_text_print(t, ",u%c_%s", "xy"[i], name) : gh_text_print(t, ",%.17g", load.displacement[i]);
       if (forced(s, set))
-        frame ? gh_text_print(t, ",%.17g", load.force[i]) : gh_text_print(t, ",f%c_%s", "xy"[i], name);
+        names ? gh_text_print(t, ",f%c_%s", "xy"[i], name) : gh_text_print(t, ",%.17g", load.force[i]);
       double footing = s->present.footing[set].force[i].now + s->present.footing[set].old[i].now;
       if (founded(s, set))
-        frame ? gh_text_print(t, ",%.17g", footing) : gh_text_print(t, ",footing_f%c_%s", "xy"[i], name);
+        names ? gh_text_print(t, ",footing_f%c_%s", "xy"[i], name) : gh_text_print(t, ",%.17g", footing);
     }
   }
   double b[2];
   gh_scene_gravity(s, b);
-  frame ? gh_text_print(t, ",%.17g,%.17g", b[0], b[1]) : gh_text_print(t, ",gx,gy");
+  names ? gh_text_print(t, ",gx,gy") : gh_text_print(t, ",%.17g,%.17g", b[0], b[1]);
+}
+
+void scene_history_columns(const gh_scene *s, gh_text *t) {
+  char name[SCENE_COLUMN];
+  gh_text_print(t, "step,increment,name,load_step,time");
+  history_loads(s, t, true);
+  for (int set = 0; set < s->nsets; set++) {
+    scene_column(s->mesh->sets[set].name, name);
+    gh_text_print(t, ",%s_x,%s_y", name, name);
+  }
+  footings_columns(s, t);
+  gh_text_print(t, ",dilatancy,iterations,substeps,cuts,jumps,unjammed,min_acoustic,residual,"
+                   "micro_evaluations,micro_steps,micro_factorisations,"
+                   "inner_work,outer_work,energy,dissipation,energy_defect");
+  if (s->estimate)
+    gh_text_print(t, ",estimate,estimate_largest,estimate_displacement,estimate_force,estimate_growth,"
+                     "branched");
 }
 
 void scene_history_header(scene_results *r) {
-  char name[64];
-  gh_text_print(r->history, "step,increment,name,load_step,time");
-  history_loads(r, NULL);
-  for (int set = 0; set < r->scene->nsets; set++) {
-    scene_column(r->scene->mesh, set, name);
-    gh_text_print(r->history, ",%s_x,%s_y", name, name);
-  }
-  history_footings(r, NULL);
-  gh_text_print(r->history, ",dilatancy,iterations,substeps,cuts,jumps,unjammed,min_acoustic,residual,"
-                            "micro_evaluations,micro_steps,micro_factorisations,"
-                            "inner_work,outer_work,energy,dissipation,energy_defect");
-  if (r->scene->estimate)
-    gh_text_print(r->history,
-                  ",estimate,estimate_largest,estimate_displacement,estimate_force,estimate_growth,"
-                  "branched");
+  scene_history_columns(r->scene, r->history);
   gh_text_print(r->history, "\n");
 }
 
@@ -118,13 +116,13 @@ void scene_history_row(scene_results *r, const scene_frame *f) {
   for (const char *c = f->name; *c; c++)
     gh_text_print(t, "%c", *c == ',' || *c == '"' || *c == '\n' ? '_' : *c);
   gh_text_print(t, ",%d,%.17g", f->step, f->time);
-  history_loads(r, f);
+  history_loads(r->scene, t, false);
   for (int set = 0; set < r->scene->nsets; set++) {
     double sum[2];
     gh_macro_reaction(r->macro, set, sum);
     gh_text_print(t, ",%.17g,%.17g", sum[0], sum[1]);
   }
-  history_footings(r, f);
+  history_footings(r);
   double V, v;
   const gh_macro_report *m = f->report;
   gh_macro_volumes(r->macro, &V, &v);

@@ -80,6 +80,7 @@ struct gh_scene {
   bool packing_drawn; /* by the seed */
   long packing_seed;
   gh_mesh *mesh;
+  int mesh_line;
   int nsets; /* of the mesh as the user knows it; behind these comes one set per node (program.c) */
   gh_rve_options micro;
   bool no_share;
@@ -105,6 +106,14 @@ struct gh_scene {
 };
 
 enum { SCENE_ALL_RVES = -1, SCENE_FEW_RVES = -2, SCENE_FEW = 64 };
+
+/* names.c: names of sets in columns of history.csv ("left" in left_x) and among the sets of results.h5. A
+ * comma, a blank, a quote becomes '_', in results.h5 a slash too. */
+enum { SCENE_COLUMN = 128 };
+const char *scene_column(const char *set, char text[SCENE_COLUMN]);
+const char *scene_dataset(const char *set, char text[SCENE_COLUMN]);
+/* GH_INPUT: a set whose name is no text of one line or too long, two columns or two sets of one name. */
+gh_status scene_names_check(const gh_scene *scene);
 
 /* packings.c */
 int scene_packing_points(const gh_scene *scene, int packing); /* at how many integration points it is */

@@ -59,15 +59,18 @@ gh_status scene_picture_check(gh_context *ctx,
 
 /* What run.json says. */
 typedef struct scene_labels {
-  char title[128], length[32], force[32], stress[72];
-  char driven_set[64];   /* "" when nothing is driven */
-  char driven_direction; /* x or y */
+  char title[256], length[96], force[96], stress[200];
+  char driven_set[SCENE_COLUMN]; /* "" when nothing is driven */
+  char driven_direction;         /* x or y */
   int points;
 } scene_labels;
+/* GH_INPUT: no run.json, or a text in it that is not one line. */
 gh_status scene_labels_read(gh_context *ctx, const char *folder, scene_labels *labels);
+
 /* ---- table.c: history.csv ---- */
 
 typedef struct scene_table {
+  char *path; /* of the file */
   int nrows, ncols;
   char **name; /* ncols */
   char **cell; /* nrows x ncols, as they are in the file */
@@ -86,7 +89,7 @@ typedef struct scene_curve {
   int x, force, dilatancy, first; /* columns; force -1: there is none */
   bool driven;
   double sign; /* -1 where the set is driven against its axis */
-  char x_label[200], force_label[256];
+  char x_label[400], force_label[400];
 } scene_curve;
 gh_status scene_curve_choose(gh_context *ctx, const scene_table *history, const scene_labels *labels,
                              scene_curve *curve);

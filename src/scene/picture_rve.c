@@ -152,7 +152,7 @@ static double largest_radius(const scene_rve *d) {
 
 static void draw_rve(scene_page *p, const scene_rve *d, const scene_labels *l) {
   double most = largest_force(d);
-  char text[256];
+  char text[512];
   scene_page_fit_cell(p, d->cell, d->low, largest_radius(d), 20, 120, p->width - 40, p->height - 140);
   cairo_save(p->c);
   cairo_clip(p->c);

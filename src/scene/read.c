@@ -248,6 +248,7 @@ static gh_status read_rectangle(gh_scene *s, node n) {
 static gh_status read_mesh(gh_scene *s, node root, const char *folder) {
   node mesh, rectangle, gmsh;
   GH_TRY(scene_need(root, "a scene", "mesh", &mesh));
+  s->mesh_line = gh_yaml_line(mesh);
   GH_TRY(scene_map(mesh, "mesh", KEYS("rectangle", "gmsh", "move")));
   rectangle = gh_yaml_get(mesh, "rectangle");
   gmsh = gh_yaml_get(mesh, "gmsh");
@@ -432,6 +433,7 @@ gh_status gh_scene_read_with(gh_context *ctx, const char *path, int n, const gh_
   GH_TRY_OR(read_root(s, gh_yaml_root(doc), folder), done);
   GH_TRY_OR(scene_program_create(s), done);
   GH_TRY_OR(scene_program_check(s), done);
+  GH_TRY_OR(scene_names_check(s), done);
 done:
   free(folder);
   gh_yaml_destroy(&doc);

@@ -1,48 +1,75 @@
 /* What a folder of results tells those who draw it. SPDX-License-Identifier: GPL-2.0-or-later
  */
 #include "io/file.h"
-#include "scene/page.h"
+#include "scene/report.h"
 #include "scene/results.h"
 
-#include <cjson/cJSON.h>
 #include <stdlib.h>
 #include <string.h>
 
-static void take(const cJSON *object, const char *key, char *out, size_t size) {
+/* A text of run.json, "" where it is missing. The file may be anybody's. */
+static gh_status label_read(gh_context *ctx, const char *path, const cJSON *object, const char *key,
+                            char *out, size_t size) {
   const cJSON *item = cJSON_GetObjectItemCaseSensitive(object, key);
-  snprintf(out, size, "%s", cJSON_IsString(item) ? item->valuestring : "");
+  const char *text = cJSON_IsString(item) ? item->valuestring : "";
+  char what[GH_QUOTE];
+  size_t n = strlen(text);
+  if (gh_unprintable(text, what))
+    return gh_fail(ctx, GH_INPUT, "%s: %s holds %s, a text in one line is wanted", path, key, what);
+  if (n >= size) /* not within a character */
+    for (n = size - 1; n > 0 && ((unsigned char)text[n] & 0xC0) == 0x80;) n--;
+  snprintf(out, size, "%.*s", (int)n, text);
+  return GH_OK;
 }
 
-static void fill(const cJSON *root, scene_labels *l) {
+static gh_status labels_fill(gh_context *ctx, const char *path, const cJSON *root, scene_labels *l) {
   const cJSON *units = cJSON_GetObjectItemCaseSensitive(root, "units"),
               *driven = cJSON_GetObjectItemCaseSensitive(root, "driven");
   const cJSON *micro =
       cJSON_GetObjectItemCaseSensitive(cJSON_GetObjectItemCaseSensitive(root, "options"), "micro");
   const cJSON *points = cJSON_GetObjectItemCaseSensitive(micro, "points");
   char direction[2];
-  take(root, "title", l->title, sizeof l->title);
-  take(units, "length", l->length, sizeof l->length);
-  take(units, "force", l->force, sizeof l->force);
+  GH_TRY(label_read(ctx, path, root, "title", l->title, sizeof l->title));
+  GH_TRY(label_read(ctx, path, units, "length", l->length, sizeof l->length));
+  GH_TRY(label_read(ctx, path, units, "force", l->force, sizeof l->force));
   if (*l->length && *l->force) snprintf(l->stress, sizeof l->stress, "%s/%s", l->force, l->length);
-  take(driven, "set", l->driven_set, sizeof l->driven_set);
-  take(driven, "direction", direction, sizeof direction);
+  GH_TRY(label_read(ctx, path, driven, "set", l->driven_set, sizeof l->driven_set));
+  GH_TRY(label_read(ctx, path, driven, "direction", direction, sizeof direction));
   l->driven_direction = direction[0] == 'x' ? 'x' : 'y';
   l->points = cJSON_IsNumber(points) ? points->valueint : 0;
+  return GH_OK;
 }
 
-gh_status scene_labels_read(gh_context *ctx, const char *folder, scene_labels *l) {
-  *l = (scene_labels){0};
+gh_status scene_run_read(gh_context *ctx, const char *folder, cJSON **root) {
   char *path = gh_path_join(folder, "run.json"), *text = NULL;
   if (!path) return gh_fail(ctx, GH_MEMORY, "no memory for a path");
   gh_status status = gh_file_text(ctx, path, &text);
-  if (status == GH_OK) {
-    cJSON *root = cJSON_Parse(text);
-    if (root) fill(root, l);
-    else status = gh_fail(ctx, GH_INPUT, "%s: is no JSON", path);
-    cJSON_Delete(root);
+  *root = status == GH_OK ? cJSON_Parse(text) : NULL;
+  if (status == GH_OK && !cJSON_IsObject(*root)) {
+    status = gh_fail(ctx, GH_INPUT, "%s: is no JSON object: cut off, or of another program", path);
+    cJSON_Delete(*root);
+    *root = NULL;
   }
   free(text);
   free(path);
+  return status;
+}
+
+gh_status scene_labels_of(gh_context *ctx, const char *folder, const cJSON *root, scene_labels *l) {
+  *l = (scene_labels){0};
+  char *path = gh_path_join(folder, "run.json");
+  if (!path) return gh_fail(ctx, GH_MEMORY, "no memory for a path");
+  gh_status status = labels_fill(ctx, path, root, l);
+  free(path);
+  return status;
+}
+
+gh_status scene_labels_read(gh_context *ctx, const char *folder, scene_labels *l) {
+  cJSON *root;
+  *l = (scene_labels){0};
+  GH_TRY(scene_run_read(ctx, folder, &root));
+  gh_status status = scene_labels_of(ctx, folder, root, l);
+  cJSON_Delete(root);
   return status;
 }
 

@@ -35,6 +35,13 @@ typedef struct report {
   int nfilm, film[REPORT_FILM]; /* increments whose fields are drawn */
 } report;
 
+/* ---- recorded.c ---- */
+
+/* run.json as a document, which the caller deletes. GH_INPUT with its name where it is missing, cut off, or
+ * no object. */
+gh_status scene_run_read(gh_context *ctx, const char *folder, cJSON **root);
+gh_status scene_labels_of(gh_context *ctx, const char *folder, const cJSON *root, scene_labels *labels);
+
 /* ---- report_data.c ---- */
 
 /* Reads and checks all files but the grains. GH_INPUT with the file's name. */

@@ -51,18 +51,13 @@ gh_status report_field(report *r, int k, const char *name, size_t rows, size_t c
 /* ---- files ---- */
 
 static gh_status read_run(report *r) {
-  char *path = gh_path_join(r->folder, "run.json"), *text = NULL;
+  char *path = gh_path_join(r->folder, "run.json");
   if (!path) return gh_fail(r->ctx, GH_MEMORY, "no memory for a path");
-  gh_status status = GH_OK;
-  if (access(path, R_OK) != 0)
-    status = gh_fail(r->ctx, GH_INPUT, "%s: holds no results of `granhom run`", r->folder);
-  if (status == GH_OK) status = gh_file_text(r->ctx, path, &text);
-  if (status == GH_OK && !(r->run = cJSON_Parse(text)))
-    status = gh_fail(r->ctx, GH_INPUT, "%s: is no JSON", path);
-  free(text);
+  bool there = access(path, R_OK) == 0;
   free(path);
-  if (status == GH_OK) status = scene_labels_read(r->ctx, r->folder, &r->labels);
-  return status;
+  if (!there) return gh_fail(r->ctx, GH_INPUT, "%s: holds no results of `granhom run`", r->folder);
+  GH_TRY(scene_run_read(r->ctx, r->folder, &r->run));
+  return scene_labels_of(r->ctx, r->folder, r->run, &r->labels);
 }
 
 static gh_status no_increment(report *r) {

@@ -32,8 +32,8 @@ gh_status scene_result_path(const scene_results *r, const char *name, char **pat
 const char *scene_h5_kind(const char *name);
 
 /* history.c */
-/* A set's name as part of a column's: no commas, spaces or quotes. */
-const char *scene_column(const gh_mesh *mesh, int set, char text[64]);
+/* The names of its columns, with commas between, without an end of line. */
+void scene_history_columns(const gh_scene *scene, gh_text *out);
 void scene_history_header(scene_results *r);
 void scene_history_row(scene_results *r, const scene_frame *f);
 

@@ -31,10 +31,8 @@ static gh_status put_mesh(scene_results *r, gh_h5 *file) {
   free(number);
   if (status != GH_OK) goto done;
   for (int k = 0; k < r->scene->nsets; k++) {
-    char name[96] = "/mesh/sets/", part[64];
-    strncat(name, scene_column(m, k, part), 64);
-    for (char *c = name + strlen("/mesh/sets/"); *c; c++)
-      if (*c == '/') *c = '_'; /* HDF5 would make groups of it */
+    char name[SCENE_COLUMN + 16], part[SCENE_COLUMN];
+    snprintf(name, sizeof name, "/mesh/sets/%s", scene_dataset(m->sets[k].name, part));
     GH_TRY_OR(gh_h5_put_ints(file, name, (size_t)m->sets[k].nnodes, 1, m->sets[k].nodes), done);
   }
   GH_TRY_OR(gh_h5_put_text(file, "/title", r->scene->title), done);

@@ -10,6 +10,7 @@ void scene_table_free(scene_table *t) {
   free(t->text);
   free(t->cell);
   free(t->name);
+  free(t->path);
 }
 
 /* Cuts a line at its commas; returns how many parts there are, of which the first `max` are stored. */
@@ -56,13 +57,11 @@ static gh_status read_rows(gh_context *ctx, const char *path, scene_table *t) {
 
 gh_status scene_table_read(gh_context *ctx, const char *folder, const char *file, scene_table *t) {
   *t = (scene_table){0};
-  char *path = gh_path_join(folder, file);
-  if (!path) return gh_fail(ctx, GH_MEMORY, "no memory for a path");
-  gh_status status = gh_file_text(ctx, path, &t->text);
-  if (status == GH_OK) status = read_rows(ctx, path, t);
-  if (status == GH_OK && t->nrows == 0) status = gh_fail(ctx, GH_INPUT, "%s: holds no increment", path);
-  free(path);
-  return status;
+  t->path = gh_path_join(folder, file);
+  if (!t->path) return gh_fail(ctx, GH_MEMORY, "no memory for a path");
+  GH_TRY(gh_file_text(ctx, t->path, &t->text));
+  GH_TRY(read_rows(ctx, t->path, t));
+  return t->nrows > 0 ? GH_OK : gh_fail(ctx, GH_INPUT, "%s: holds no increment", t->path);
 }
 
 int scene_table_column(const scene_table *t, const char *name) {
@@ -83,11 +82,11 @@ double scene_table_number(const scene_table *t, int row, int column) {
 /* The settlement of the first footing and the force on it, where there is one and nothing is driven. */
 static bool choose_footing(const scene_table *h, const char *unit, const char *force_unit, scene_curve *c) {
   static const char key[] = "footing_uy_";
-  char name[96];
+  char name[SCENE_COLUMN + 32];
   for (int k = 0; k < h->ncols; k++) {
     if (strncmp(h->name[k], key, strlen(key)) != 0) continue;
     c->x = k;
-    snprintf(name, sizeof name, "footing_fy_%.70s", h->name[k] + strlen(key));
+    snprintf(name, sizeof name, "footing_fy_%s", h->name[k] + strlen(key));
     c->force = scene_table_column(h, name);
     c->sign = -1;
     snprintf(c->x_label, sizeof c->x_label, "settlement of the footing%s", unit);
@@ -97,38 +96,55 @@ static bool choose_footing(const scene_table *h, const char *unit, const char *f
   return false;
 }
 
-gh_status scene_curve_choose(gh_context *ctx, const scene_table *h, const scene_labels *l, scene_curve *c) {
-  char name[128], unit[80] = "", force_unit[80] = "";
-  if (*l->length) snprintf(unit, sizeof unit, " (%s)", l->length);
-  if (*l->force) snprintf(force_unit, sizeof force_unit, " (%s)", l->force);
-  snprintf(name, sizeof name, "u%c_%s", l->driven_direction, l->driven_set);
-  c->x = *l->driven_set ? scene_table_column(h, name) : -1;
-  c->driven = c->x >= 0;
-  c->sign = c->driven && scene_table_number(h, h->nrows - 1, c->x) < 0 ? -1 : 1;
-  if (c->driven) {
-    snprintf(c->x_label, sizeof c->x_label, "displacement of %s in %s%c%s", l->driven_set,
-             c->sign < 0 ? "-" : "", l->driven_direction, unit);
-    snprintf(name, sizeof name, "%s_%c", l->driven_set, l->driven_direction);
-  } else if (choose_footing(h, unit, force_unit, c)) {
-    *name = 0;
-  } else {
-    c->x = scene_table_column(h, "time");
-    snprintf(c->x_label, sizeof c->x_label, "load steps");
-    snprintf(name, sizeof name, "bottom_y");
-  }
-  if (*name) {
-    c->force = scene_table_column(h, name);
-    snprintf(c->force_label, sizeof c->force_label, "support force on %.*s in %c%s", (int)strlen(name) - 2,
-             name, name[strlen(name) - 1], force_unit);
-  }
-  c->dilatancy = scene_table_column(h, "dilatancy");
-  if (c->x < 0 || c->dilatancy < 0)
-    return gh_fail(ctx, GH_INPUT, "history.csv lacks the columns to draw (time, dilatancy)");
-  /* the row before the driven set first moves */
+/* The displacement of the driven set and the force on it; GH_INPUT where run.json names a set whose columns
+ * are not there. */
+static gh_status choose_driven(gh_context *ctx, const scene_table *h, const scene_labels *l, const char *unit,
+                               const char *force_unit, scene_curve *c) {
+  char set[SCENE_COLUMN], name[SCENE_COLUMN + 8], quoted[GH_QUOTE];
+  scene_column(l->driven_set, set);
+  snprintf(name, sizeof name, "u%c_%s", l->driven_direction, set);
+  c->x = scene_table_column(h, name);
+  if (c->x < 0)
+    return gh_fail(ctx, GH_INPUT, "%s: has no column %s, and run.json has '%s' as the driven set", h->path,
+                   gh_quote(name, quoted), l->driven_set);
+  c->driven = true;
+  c->sign = scene_table_number(h, h->nrows - 1, c->x) < 0 ? -1 : 1;
+  snprintf(name, sizeof name, "%s_%c", set, l->driven_direction);
+  c->force = scene_table_column(h, name);
+  snprintf(c->x_label, sizeof c->x_label, "displacement of %s in %s%c%s", l->driven_set,
+           c->sign < 0 ? "-" : "", l->driven_direction, unit);
+  snprintf(c->force_label, sizeof c->force_label, "support force on %s in %c%s", l->driven_set,
+           l->driven_direction, force_unit);
+  return GH_OK;
+}
+
+/* The force at the bottom over the load steps. */
+static void choose_time(const scene_table *h, const char *force_unit, scene_curve *c) {
+  c->x = scene_table_column(h, "time");
+  c->force = scene_table_column(h, "bottom_y");
+  snprintf(c->x_label, sizeof c->x_label, "load steps");
+  snprintf(c->force_label, sizeof c->force_label, "support force on bottom in y%s", force_unit);
+}
+
+/* The row before the driven set first moves. */
+static void choose_first(const scene_table *h, scene_curve *c) {
   for (int k = 1; c->driven && k < h->nrows; k++) {
     double now = scene_table_number(h, k, c->x), before = scene_table_number(h, k - 1, c->x);
-    if (isfinite(now) && isfinite(before) && now != before) break;
+    if (isfinite(now) && isfinite(before) && now != before) return;
     c->first = k < h->nrows - 1 ? k : 0;
   }
+}
+
+gh_status scene_curve_choose(gh_context *ctx, const scene_table *h, const scene_labels *l, scene_curve *c) {
+  char unit[100] = "", force_unit[100] = "";
+  *c = (scene_curve){.sign = 1};
+  if (*l->length) snprintf(unit, sizeof unit, " (%s)", l->length);
+  if (*l->force) snprintf(force_unit, sizeof force_unit, " (%s)", l->force);
+  if (*l->driven_set) GH_TRY(choose_driven(ctx, h, l, unit, force_unit, c));
+  else if (!choose_footing(h, unit, force_unit, c)) choose_time(h, force_unit, c);
+  c->dilatancy = scene_table_column(h, "dilatancy");
+  if (c->x < 0 || c->dilatancy < 0)
+    return gh_fail(ctx, GH_INPUT, "%s: lacks the columns to draw (time, dilatancy)", h->path);
+  choose_first(h, c);
   return GH_OK;
 }

@@ -8,7 +8,6 @@
 
 enum { STUDY_COLOURS = 12, STUDY_NAME = 256 };
 const char *study_colour(int k); /* grey beyond STUDY_COLOURS */
-void study_print_quoted(gh_text *out, const char *text);
 /* A logarithmic axis ('x' or 'y') from low to high, a little wider, with marks that have labels also where it
  * is shorter than a decade. Returns the ends in range. */
 void study_log_axis(gh_text *out, char axis, double low, double high, double range[2]);

@@ -10,12 +10,6 @@ const char *study_colour(int k) {
   return k >= 0 && k < STUDY_COLOURS ? colour[k] : "#b5b5b5";
 }
 
-void study_print_quoted(gh_text *out, const char *text) {
-  gh_text_print(out, "'");
-  for (; *text; text++) gh_text_print(out, *text == '\'' ? "''" : "%c", *text);
-  gh_text_print(out, "'");
-}
-
 /* ---- logarithmic axes ---- */
 
 /* Plain numbers where the whole axis can have them, else powers of ten. */

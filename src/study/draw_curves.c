@@ -163,11 +163,15 @@ static void count_curves(figure *f) {
 
 /* ---- panels ---- */
 
-static void write_unit(const gh_study *s, const char *column, gh_text *t) {
+/* "P11 (N/mm)": a column with its unit. */
+static void column_name(const gh_study *s, const char *column, char name[2 * STUDY_NAME]) {
   const char *force = s->force_unit ? s->force_unit : "", *length = s->length_unit ? s->length_unit : "";
-  if (strcmp(column, "dilatancy") == 0) gh_text_print(t, " (%%)");
-  else if (strncmp(column, "force", 5) == 0 && *force) gh_text_print(t, " (%s)", force);
-  else if (strncmp(column, "force", 5) != 0 && *force && *length) gh_text_print(t, " (%s/%s)", force, length);
+  char unit[STUDY_NAME] = "";
+  bool is_force = strncmp(column, "force", 5) == 0;
+  if (strcmp(column, "dilatancy") == 0) snprintf(unit, sizeof unit, " (%%)");
+  else if (is_force && *force) snprintf(unit, sizeof unit, " (%.100s)", force);
+  else if (!is_force && *force && *length) snprintf(unit, sizeof unit, " (%.100s/%.100s)", force, length);
+  snprintf(name, 2 * STUDY_NAME, "%.*s%s", STUDY_NAME - 1, column, unit);
 }
 
 /* Panels have room for their name above and for the numbers below. */
@@ -201,10 +205,12 @@ static void write_frame(const figure *f, int row, int plot, gh_text *t) {
 /* Of the axis of a panel: gnuplot would put it as far away as the numbers are long. */
 static void write_column(const figure *f, int row, int plot, gh_text *t) {
   int left, top;
+  char name[2 * STUDY_NAME];
   place(f, row, plot, &left, &top);
-  gh_text_print(t, "set label \"%s", f->s->column[f->s->plots[plot]]);
-  write_unit(f->s, f->s->column[f->s->plots[plot]], t);
-  gh_text_print(t, "\" at screen %.5f, screen %.5f center rotate by 90 noenhanced\n",
+  column_name(f->s, f->s->column[f->s->plots[plot]], name);
+  gh_text_print(t, "set label ");
+  gh_picture_string(t, name);
+  gh_text_print(t, " at screen %.5f, screen %.5f center rotate by 90 noenhanced\n",
                 (left - COLUMN) / (double)f->width, 1 - (top + f->panel_height / 2) / (double)f->height);
 }
 
@@ -216,7 +222,7 @@ static void write_name(const figure *f, int row, int plot, gh_text *t) {
   if (!*name || plot % f->across != 0) return;
   place(f, row, plot, &left, &top);
   gh_text_print(t, "set label ");
-  study_print_quoted(t, name);
+  gh_picture_string(t, name);
   gh_text_print(t, " at screen %.5f, screen %.5f left noenhanced font ':Bold'\n", left / (double)f->width,
                 1 - (top - 14) / (double)f->height);
 }
@@ -225,7 +231,7 @@ static void write_panels(const figure *f, gh_text *t) {
   gh_text_print(t, "set multiplot\nunset key\n");
   if (f->t[1] > f->t[0]) gh_text_print(t, "set xrange [%.17g:%.17g]\n", f->t[0], f->t[1]);
   gh_text_print(t, "set label ");
-  study_print_quoted(t, f->s->title ? f->s->title : "");
+  gh_picture_string(t, f->s->title ? f->s->title : "");
   gh_text_print(t, " at screen 0.5, screen %.5f center noenhanced\n", 1 - 18.0 / f->height);
   study_key_print(&f->key, EDGE, f->width, f->height, t);
   for (int plot = 0; plot < f->s->nplots; plot++)

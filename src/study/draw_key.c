@@ -140,7 +140,7 @@ void study_key_print(const study_key *key, int bottom, int picture_width, int pi
                     "lw %g dt %d\n",
                     x / w, y / h, (x + SAMPLE - 8) / w, y / h, l->colour, 1.4 * l->width, l->dash);
     gh_text_print(t, "set label ");
-    study_print_quoted(t, key->entry[k].text);
+    gh_picture_string(t, key->entry[k].text);
     gh_text_print(t, " at screen %.5f, screen %.5f left noenhanced%s\n", (heading ? x : x + SAMPLE) / w,
                   y / h, heading ? " font ':Bold'" : "");
   }

@@ -60,7 +60,7 @@ gh_status study_plot_labels(const study_plot *p, gh_text *t) {
       if (!place_label(p, k, (int)strlen(text), taken, n, &side, taken + n)) continue;
       n++;
       gh_text_print(t, "set label ");
-      study_print_quoted(t, text);
+      gh_picture_string(t, text);
       gh_text_print(t, " at %.17g,%.17g %s offset %s,%s font ',10' tc rgb '%s' noenhanced front\n",
                     study_plot_x_of(p, k), study_plot_y_of(p, k), side % 2 ? "right" : "left",
                     side % 2 ? "-0.8" : "0.8", side < 2 ? "0.6" : "-0.6", study_colour(curve));

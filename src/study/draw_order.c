@@ -37,7 +37,7 @@ static void write_knob_marks(const study_plot *p, gh_text *t) {
   for (int v = 0; v < knob->nvalues; v++) {
     if (!(knob->number[v] > 0)) continue;
     gh_text_print(t, "%s", comma);
-    study_print_quoted(t, knob->value[v]);
+    gh_picture_string(t, knob->value[v]);
     gh_text_print(t, " %.17g", knob->number[v]);
     comma = ", ";
   }

@@ -124,11 +124,15 @@ void study_plot_axes(study_plot *p, const char *x_label, gh_text *t) {
   study_log_axis(t, 'x', p->x[0], p->x[1], p->x_axis);
   study_log_axis(t, 'y', low, high, p->y_axis);
   gh_text_print(t, "set title ");
-  study_print_quoted(t, p->s->title ? p->s->title : "");
+  gh_picture_string(t, p->s->title ? p->s->title : "");
   gh_text_print(t, " noenhanced\nset xlabel ");
-  study_print_quoted(t, x_label);
-  gh_text_print(t, " noenhanced\nset ylabel 'relative error of the %s%s' noenhanced\n",
-                p->s->quantities[p->s->main].name, study_has_ensembles(p->s) ? " (mean of packings)" : "");
+  gh_picture_string(t, x_label);
+  gh_text_print(t, " noenhanced\nset ylabel ");
+  char label[2 * STUDY_NAME];
+  snprintf(label, sizeof label, "relative error of the %.*s%s", STUDY_NAME, p->s->quantities[p->s->main].name,
+           study_has_ensembles(p->s) ? " (mean of packings)" : "");
+  gh_picture_string(t, label);
+  gh_text_print(t, " noenhanced\n");
   gh_text_print(t, "set key outside right top Left reverse samplen 2 spacing 1.15\n");
   if (p->over != OVER_KNOB) write_goals(p, t);
 }
@@ -148,7 +152,7 @@ static void write_title(const study_plot *p, int first, gh_text *t) {
   gh_text_print(t, " title ");
   char title[STUDY_NAME + 90];
   snprintf(title, sizeof title, "%s%s%s", name, *name && *order ? ": " : "", order);
-  study_print_quoted(t, title);
+  gh_picture_string(t, title);
 }
 
 /* First, so that points lie on them. */

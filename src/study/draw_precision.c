@@ -21,7 +21,7 @@ static gh_status draw_over(const gh_study *s, const char *folder, study_over ove
     gh_text_print(t, ", NaN with points lc rgb '#ffffff' pt 0 title ");
     char text[STUDY_NAME];
     snprintf(text, sizeof text, "labels: %s", s->knobs[s->series].name);
-    study_print_quoted(t, text);
+    gh_picture_string(t, text);
   }
   gh_text_print(t, "\n");
   if (status == GH_OK) status = study_picture(s, folder, file, STUDY_PLOT_WIDTH, STUDY_PLOT_HEIGHT, t);

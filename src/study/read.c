@@ -1,5 +1,6 @@
 /* Reads a study file and checks all that it names. Every complaint begins with file:line.
  * SPDX-License-Identifier: GPL-2.0-or-later */
+#include "io/file.h"
 #include "scene/read.h"
 #include "study/parts.h"
 
@@ -83,6 +84,7 @@ static gh_status read_values(gh_study *s, node list, study_knob *knob) {
 }
 
 static gh_status read_knobs(gh_study *s, node vary) {
+  char what[GH_QUOTE];
   if (!gh_yaml_is_map(vary) || gh_yaml_length(vary) < 1)
     return gh_yaml_fail(vary, "vary must be a map of keys and lists: {micro.tolerance: [1e-2, 1e-4], ...}");
   GH_TRY(gh_alloc(s->ctx, (size_t)gh_yaml_length(vary), sizeof *s->knobs, &s->knobs));
@@ -92,6 +94,7 @@ static gh_status read_knobs(gh_study *s, node vary) {
     study_knob *knob = s->knobs + k;
     s->nknobs = k + 1;
     knob->line = gh_yaml_line(list);
+    if (gh_unprintable(name, what)) return gh_yaml_fail(list, "a key under vary holds %s", what);
     GH_TRY(study_copy(s->ctx, name, &knob->name));
     GH_TRY(read_values(s, list, knob));
   }

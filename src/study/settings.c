@@ -1,5 +1,6 @@
 /* Settings of a study: all combinations of the values of its knobs, what each is compared with, and the
  * packings of each. SPDX-License-Identifier: GPL-2.0-or-later */
+#include "io/file.h"
 #include "study/parts.h"
 
 #include <glob.h>
@@ -243,6 +244,14 @@ static char *place_pattern(const char *folder, const char *pattern) {
   return path;
 }
 
+/* Names of files become words of pictures and tables. */
+static gh_status copy_file(gh_study *s, const char *name, char **copy) {
+  char what[GH_QUOTE], quoted[GH_QUOTE];
+  if (gh_unprintable(name, what))
+    return gh_fail(s->ctx, GH_INPUT, "the name of the file '%s' holds %s", gh_quote(name, quoted), what);
+  return study_copy(s->ctx, name, copy);
+}
+
 /* Files that fit the pattern, ascending; at least one. */
 static gh_status find_files(gh_study *s, const char *pattern, study_setting *one) {
   glob_t found = {0};
@@ -256,7 +265,7 @@ static gh_status find_files(gh_study *s, const char *pattern, study_setting *one
   if (status == GH_OK) status = gh_alloc(s->ctx, found.gl_pathc, sizeof *one->files, &one->files);
   if (status == GH_OK) one->nruns = (int)found.gl_pathc;
   for (int k = 0; k < one->nruns && status == GH_OK; k++)
-    status = study_copy(s->ctx, found.gl_pathv[k], &one->files[k]);
+    status = copy_file(s, found.gl_pathv[k], &one->files[k]);
   globfree(&found);
   return status;
 }
