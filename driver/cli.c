@@ -87,6 +87,15 @@ int cli_close(gh_context *ctx, gh_status s) {
   return gh_exit_status(s);
 }
 
+gh_status cli_print(gh_context *ctx, const gh_text *text) {
+  size_t length;
+  GH_TRY(gh_text_check(text));
+  const char *bytes = gh_text_get(text, &length);
+  if (fwrite(bytes, 1, length, stdout) == length && fflush(stdout) == 0) return GH_OK;
+  clearerr(stdout); /* it has been told */
+  return gh_fail(ctx, GH_SYSTEM, "standard output cannot be written");
+}
+
 int cli_usage(const cli_command *command, const char *format, ...) {
   va_list args;
   if (cli_rank() > 0) return 2;

@@ -3,6 +3,7 @@
 #define GRANHOM_CLI_H
 
 #include "granhom/base.h"
+#include "granhom/io.h"
 #include "granhom/micro.h"
 
 /* A subcommand: its words, its help and the function that does it. argv[0] is the subcommand's name. Returns
@@ -28,6 +29,8 @@ int cli_rank(void);
 /* Prints "granhom: message" on standard error if s is not GH_OK, on rank 0 alone: what fails, fails on all.
  * Frees ctx; returns the exit status. */
 int cli_close(gh_context *ctx, gh_status s);
+/* Writes a text on standard output. GH_MEMORY: the text is incomplete; GH_SYSTEM: it cannot be written. */
+gh_status cli_print(gh_context *ctx, const gh_text *text);
 /* Prints "granhom NAME: message" and how to get help; returns 2. */
 int cli_usage(const cli_command *command, const char *format, ...) GH_PRINTF(2, 3);
 /* MPI_Init for commands that need MPI (LAMMPS, HDF5), MPI_Finalize at exit. GH_INPUT when started on more

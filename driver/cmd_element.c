@@ -172,11 +172,7 @@ static gh_status write_file(job *j, bool last) {
   const char *path = j->args->output;
   j->written = gh_seconds();
   if (path && strcmp(path, "-")) return gh_text_commit(j->out, path);
-  size_t length;
-  const char *bytes = gh_text_get(j->out, &length);
-  if (last && (fwrite(bytes, 1, length, stdout) != length || fflush(stdout)))
-    return gh_fail(j->ctx, GH_SYSTEM, "standard output: cannot write");
-  return GH_OK;
+  return last ? cli_print(j->ctx, j->out) : GH_OK;
 }
 
 /* ---- the test ---- */

@@ -129,9 +129,9 @@ static gh_status print_soft(gh_context *ctx, const gh_finish_report *report) {
   gh_text *text;
   GH_TRY(gh_text_create(ctx, &text));
   gh_finish_print(report, text);
-  fputs(gh_text_get(text, NULL), stdout);
+  gh_status status = cli_print(ctx, text);
   gh_text_destroy(&text);
-  return GH_OK;
+  return status;
 }
 
 /* What growth made in the plane, soft where that is asked for, as a packing. */

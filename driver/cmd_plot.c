@@ -1,5 +1,6 @@
 /* granhom plot: pictures of a folder of results. SPDX-License-Identifier: GPL-2.0-or-later */
 #include "cli.h"
+#include "granhom/io.h"
 #include "granhom/scene.h"
 
 #include <signal.h>
@@ -53,8 +54,10 @@ static gh_status work(gh_context *ctx, const plot_arguments *a) {
       {"mesh.png", mesh}, {"rve.png", rve}, {"curves.png", curves}, {"convergence.png", convergence}};
   char *record = gh_path_join(a->results, "run.json");
   if (!record) return gh_fail(ctx, GH_MEMORY, "no memory for a path");
-  bool there = access(record, R_OK) == 0;
+  bool there = false;
+  gh_status found = gh_file_there(ctx, record, &there);
   free(record);
+  GH_TRY(found);
   if (!there) return gh_fail(ctx, GH_INPUT, "%s: holds no results of `granhom run`", a->results);
   GH_TRY(gh_folder_make(ctx, a->folder));
   for (size_t k = 0; k < sizeof pictures / sizeof *pictures; k++) {

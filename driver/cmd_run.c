@@ -44,18 +44,27 @@ static gh_status explain(gh_context *ctx, const gh_scene *scene) {
   gh_text *text;
   GH_TRY(gh_text_create(ctx, &text));
   gh_scene_explain(scene, text);
-  fputs(gh_text_get(text, NULL), stdout);
+  gh_status status = cli_print(ctx, text);
   gh_text_destroy(&text);
-  return GH_OK;
+  return status;
 }
 
-static gh_status summarise(gh_context *ctx, const gh_run_summary *summary, const char *folder) {
+typedef struct outcome {
+  gh_context *ctx;
+  gh_run_summary summary;
+  const char *folder;
+} outcome;
+
+static gh_status summarise(void *data, bool good) {
+  const outcome *o = data;
+  gh_context *ctx = o->ctx;
   gh_text *text;
+  (void)good;
   GH_TRY(gh_text_create(ctx, &text));
-  gh_summary_print(summary, folder, text);
-  fputs(gh_text_get(text, NULL), stdout);
+  gh_summary_print(&o->summary, o->folder, text);
+  gh_status status = cli_print(ctx, text);
   gh_text_destroy(&text);
-  return GH_OK;
+  return status;
 }
 
 static gh_status work(gh_context *ctx, const run_arguments *a) {
@@ -75,9 +84,10 @@ static gh_status work(gh_context *ctx, const run_arguments *a) {
                               .no_balance = a->no_balance,
                               .restart = a->restart,
                               .checkpoint_every = (int)a->every};
-    gh_run_summary summary;
-    status = gh_scene_run(scene, a->folder, &options, &summary);
-    if (!a->quiet && (summary.increments > 0 || status == GH_OK)) summarise(ctx, &summary, a->folder);
+    outcome o = {.ctx = ctx, .folder = a->folder};
+    status = gh_scene_run(scene, a->folder, &options, &o.summary);
+    if (!a->quiet && (o.summary.increments > 0 || status == GH_OK))
+      status = cli_finish(ctx, status, summarise, &o);
   }
   gh_scene_destroy(&scene);
   return status;

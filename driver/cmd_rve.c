@@ -195,11 +195,7 @@ static gh_status write_row(job *j, long step, const double A[16]) {
 static gh_status write_text(gh_context *ctx, gh_text *text, const char *path, bool last) {
   if (!text) return GH_OK;
   if (path && strcmp(path, "-")) return gh_text_commit(text, path);
-  size_t length;
-  const char *bytes = gh_text_get(text, &length);
-  if (last && (fwrite(bytes, 1, length, stdout) != length || fflush(stdout)))
-    return gh_fail(ctx, GH_SYSTEM, "standard output: cannot write");
-  return GH_OK;
+  return last ? cli_print(ctx, text) : GH_OK;
 }
 
 /* Files appear whole, the first time before the first increment: what cannot be written is known early, and a

@@ -65,9 +65,9 @@ static gh_status say(gh_context *ctx, const gh_study *study,
   if (cli_rank() > 0) return GH_OK;
   GH_TRY(gh_text_create(ctx, &text));
   print(study, text);
-  fputs(gh_text_get(text, NULL), stdout);
+  gh_status status = cli_print(ctx, text);
   gh_text_destroy(&text);
-  return GH_OK;
+  return status;
 }
 
 /* All ranks read the study, which none of them changes; where one cannot, none goes on. */

@@ -295,10 +295,9 @@ gh_status cross_draw(const cross_job *j) {
   draw_differences(j, t);
   if (panels > 2) draw_refinement(j, t);
   gh_text_print(t, "unset multiplot\n");
-  size_t length;
   char *png = gh_path_join(j->folder, "crosscheck.png");
-  gh_status status = png ? gh_picture_script(j->ctx, gh_text_get(t, &length), 1000, 340 * panels, png)
-                         : gh_fail(j->ctx, GH_MEMORY, "no memory for a path");
+  gh_status status = png ? gh_text_check(t) : gh_fail(j->ctx, GH_MEMORY, "no memory for a path");
+  if (status == GH_OK) status = gh_picture_script(j->ctx, gh_text_get(t, NULL), 1000, 340 * panels, png);
   free(png);
   gh_text_destroy(&t);
   return status;

@@ -50,16 +50,22 @@ void gh_lammps_data_destroy(gh_lammps_data **data);
 
 /* ---- text files that appear whole or not at all ---- */
 
-/* Collects text in memory; commit writes it under a random name beside path, fsyncs, renames: path holds all
- * of it or what it held before, of the same permissions; a symbolic link keeps pointing where it did.
- * Printing never fails before commit. */
+/* Collects text in memory; a print never fails. Where one found no memory, the text is lost as a whole: it
+ * can neither be read nor written any more. commit writes it under a random name beside path, fsyncs,
+ * renames: path holds all of it or what it held before, of the same permissions; a symbolic link keeps
+ * pointing where it did. Printing never fails before commit. */
 typedef struct gh_text gh_text;
 gh_status gh_text_create(gh_context *ctx, gh_text **text);
 void gh_text_destroy(gh_text **text);
 void gh_text_print(gh_text *text, const char *format, ...) GH_PRINTF(2, 3);
 /* Appends bytes of any kind. */
 gh_status gh_text_add(gh_text *text, const void *bytes, size_t length);
+/* GH_MEMORY when a print found no memory. */
+gh_status gh_text_check(const gh_text *text);
+/* What was collected, with a final 0; NULL when gh_text_check fails. length may be NULL. */
 const char *gh_text_get(const gh_text *text, size_t *length);
+/* Adds what another text holds; where that has failed, so has this one. */
+void gh_text_join(gh_text *text, const gh_text *other);
 /* Replaces what was collected. */
 gh_status gh_text_set(gh_text *text, const char *bytes, size_t length);
 gh_status gh_text_commit(gh_text *text, const char *path); /* may be called again after more printing */
@@ -73,6 +79,11 @@ gh_status gh_temp_commit(gh_temp **temp); /* *temp is destroyed, also when this 
 void gh_temp_destroy(gh_temp **temp);
 /* Makes a folder (and its parents). GH_INPUT when path is a file, GH_SYSTEM otherwise. */
 gh_status gh_folder_make(gh_context *ctx, const char *path);
+/* Whether there is something of this name; a link that leads nowhere is nothing. GH_SYSTEM when the system
+ * cannot find out. */
+gh_status gh_file_there(gh_context *ctx, const char *path, bool *there);
+/* Removes a file that may be missing. GH_SYSTEM: it is still there. */
+gh_status gh_file_remove(gh_context *ctx, const char *path);
 /* dir + "/" + name; name alone when it is absolute. Caller frees. NULL when out of memory. */
 char *gh_path_join(const char *dir, const char *name);
 /* Folder of a path ("." when it has none). Caller frees. */

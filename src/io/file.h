@@ -16,6 +16,10 @@ gh_status gh_file_write(gh_context *ctx, const char *path, const void *bytes, si
 
 /* ---- read.c ---- */
 
+/* Whose fault it is that a file cannot be opened or read: GH_INPUT for a wrong name or missing permission,
+ * GH_SYSTEM for a device, a limit of the system and the like, GH_MEMORY. */
+gh_status gh_read_status(int reason);
+
 /* A text file in memory, walked line by line. */
 typedef struct gh_reader {
   const char *path; /* name for messages */
@@ -26,7 +30,7 @@ typedef struct gh_reader {
   bool empty; /* the file holds nothing, which is why it could not be opened */
 } gh_reader;
 
-/* Reads the whole file ("-": standard input), at most so many MiB of it. GH_INPUT when it is missing, a
+/* Reads the whole file ("-": standard input), at most so many MiB of it. gh_read_status, and GH_INPUT when it is missing, a
  * folder, a pipe that nobody writes into, empty, larger, or no text (a zero byte; UTF-16, archives and binary
  * meshes are named). The byte order mark of UTF-8 is dropped, and lines may end with CR LF, LF or CR alone.
  * The path is not copied. */

@@ -17,6 +17,15 @@ enum {
   PIPE_WAIT = 5          /* seconds until a pipe has a writer */
 };
 
+gh_status gh_read_status(int reason) {
+  static const int named[] = {ENOENT,       ENOTDIR, EISDIR, EACCES, EPERM,    ELOOP,
+                              ENAMETOOLONG, EINVAL,  ENXIO,  ENODEV, EOVERFLOW};
+  if (reason == ENOMEM) return GH_MEMORY;
+  for (size_t k = 0; k < sizeof named / sizeof *named; k++)
+    if (reason == named[k]) return GH_INPUT;
+  return GH_SYSTEM;
+}
+
 static int line_at(const char *text, size_t offset) {
   int line = 1;
   for (size_t k = 0; k < offset; k++) line += text[k] == '\n';
@@ -107,7 +116,7 @@ static gh_status reader_fill(gh_context *ctx, int fd, const struct stat *info, s
     GH_TRY(gh_grow(ctx, r->length + CHUNK + 1, 1, &capacity, &r->text));
     bool empty_pipe = S_ISFIFO(info->st_mode) && r->length == 0 && fd != STDIN_FILENO;
     ssize_t n = read_piece(fd, empty_pipe, r->text + r->length, begin, &abandoned);
-    if (n < 0) return gh_fail(ctx, GH_INPUT, "%s: cannot be read: %s", r->path, strerror(errno));
+    if (n < 0) return gh_fail(ctx, gh_read_status(errno), "%s: cannot be read: %s", r->path, strerror(errno));
     if (abandoned)
       return gh_fail(ctx, GH_INPUT, "%s: a pipe that nothing is written into (waited %d s)", r->path,
                      PIPE_WAIT);
@@ -137,10 +146,11 @@ gh_status gh_reader_open_most(gh_context *ctx, const char *path, int megabytes, 
   bool standard = strcmp(path, "-") == 0;
   *r = (gh_reader){.path = standard ? "standard input" : path};
   int fd = standard ? STDIN_FILENO : open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK);
-  if (fd < 0) return gh_fail(ctx, GH_INPUT, "%s: cannot be opened: %s", path, strerror(errno));
+  if (fd < 0) return gh_fail(ctx, gh_read_status(errno), "%s: cannot be opened: %s", path, strerror(errno));
   struct stat info;
   gh_status s;
-  if (fstat(fd, &info) != 0) s = gh_fail(ctx, GH_INPUT, "%s: cannot be opened: %s", r->path, strerror(errno));
+  if (fstat(fd, &info) != 0)
+    s = gh_fail(ctx, gh_read_status(errno), "%s: cannot be opened: %s", r->path, strerror(errno));
   else if (S_ISDIR(info.st_mode)) s = gh_fail(ctx, GH_INPUT, "%s: is a folder, a file is wanted", r->path);
   else s = reader_fill(ctx, fd, &info, (size_t)megabytes << 20, r);
   if (!standard) close(fd);

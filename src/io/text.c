@@ -7,12 +7,13 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
+#include <unistd.h>
 
 struct gh_text {
   gh_context *ctx;
   char *bytes;
   size_t length, capacity;
-  bool failed; /* a print found no memory: told by the commit */
+  bool failed; /* a print found no memory: whoever reads or commits the text is told */
 };
 
 gh_status gh_text_create(gh_context *ctx, gh_text **text) {
@@ -69,18 +70,41 @@ gh_status gh_text_set(gh_text *t, const char *bytes, size_t length) {
   return GH_OK;
 }
 
+gh_status gh_text_check(const gh_text *t) {
+  if (!t->failed) return GH_OK;
+  return gh_fail(t->ctx, GH_MEMORY, "no memory for a text (%zu bytes so far)", t->length);
+}
+
 const char *gh_text_get(const gh_text *t, size_t *length) {
-  if (length) *length = t->length;
+  if (length) *length = t->failed ? 0 : t->length;
+  if (t->failed) return NULL;
   return t->bytes ? t->bytes : "";
 }
 
+void gh_text_join(gh_text *t, const gh_text *other) {
+  if (other->failed) t->failed = true;
+  else if (other->length > 0) gh_text_add(t, other->bytes, other->length);
+}
+
 gh_status gh_text_commit(gh_text *t, const char *path) {
-  if (t->failed)
-    return gh_fail(t->ctx, GH_MEMORY, "%s: no memory for its text (%zu bytes so far)", path, t->length);
+  gh_status s = gh_text_check(t);
+  if (s != GH_OK) return gh_prefix(t->ctx, s, "%s: ", path);
   return gh_file_write(t->ctx, path, t->bytes, t->length);
 }
 
 /* ---- folders and paths ---- */
+
+gh_status gh_file_there(gh_context *ctx, const char *path, bool *there) {
+  struct stat info;
+  *there = stat(path, &info) == 0;
+  if (*there || errno == ENOENT || errno == ENOTDIR) return GH_OK;
+  return gh_fail(ctx, GH_SYSTEM, "%s: cannot be looked at: %s", path, strerror(errno));
+}
+
+gh_status gh_file_remove(gh_context *ctx, const char *path) {
+  if (unlink(path) == 0 || errno == ENOENT || errno == ENOTDIR) return GH_OK;
+  return gh_fail(ctx, GH_SYSTEM, "%s: cannot be removed: %s", path, strerror(errno));
+}
 
 /* One folder whose parent exists. */
 static gh_status folder_make_one(gh_context *ctx, const char *path) {

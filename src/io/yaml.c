@@ -27,7 +27,8 @@ static int count_of(const gh_yaml *doc) {
 static gh_status fail_parse(const gh_yaml *doc, const yaml_parser_t *parser, const char *text) {
   size_t line = parser->problem_mark.line + 1;
   const char *context = parser->context ? parser->context : "";
-  if (parser->error == YAML_MEMORY_ERROR)
+  /* where it finds no memory for an anchor's name it fails without an error */
+  if (parser->error == YAML_MEMORY_ERROR || parser->error == YAML_NO_ERROR)
     return gh_fail(doc->ctx, GH_MEMORY, "%s: no memory to read it", doc->path);
   if (parser->error == YAML_READER_ERROR) { /* these carry an offset in place of a mark */
     line = 1;

@@ -203,6 +203,7 @@ static gh_status put_texts(archive *a, const scene_results *r) {
   GH_TRY(put_bytes(a, "/text/started", strlen(r->started), r->started));
   for (int k = 0; k < SCENE_TEXTS; k++) {
     size_t length;
+    GH_TRY(gh_text_check(list[k].text));
     const char *text = gh_text_get(list[k].text, &length);
     snprintf(name, sizeof name, "/text/%s", list[k].name);
     GH_TRY(put_bytes(a, name, length, text));
@@ -277,9 +278,9 @@ failed:
 gh_status scene_checkpoint_find(const scene_results *r, bool *there) {
   char *path;
   GH_TRY(scene_result_path(r, FILE_NAME, &path));
-  *there = access(path, F_OK) == 0;
+  gh_status status = gh_file_there(r->ctx, path, there);
   free(path);
-  return GH_OK;
+  return status;
 }
 
 static gh_status check_marks(archive *a, const gh_scene *s) {

@@ -40,23 +40,28 @@ static gh_status cannot(gh_context *ctx, const char *path, const char *what) {
 }
 
 /* Where the whole frames of increments before `counter` end. */
-static off_t find_end(const char *path, int counter) {
-  FILE *file = counter > 0 ? fopen(path, "r") : NULL;
+static gh_status find_end(gh_context *ctx, const char *path, int counter, off_t *end) {
+  bool there = false;
+  *end = 0;
+  if (counter > 0) GH_TRY(gh_file_there(ctx, path, &there));
+  if (!there) return GH_OK;
+  FILE *file = fopen(path, "r");
+  if (!file) return cannot(ctx, path, "open");
   char *line = NULL;
   size_t size = 0;
-  off_t end = 0;
-  if (!file) return 0;
-  while (pass_frame(file, &line, &size, counter)) end = ftello(file);
+  while (pass_frame(file, &line, &size, counter)) *end = ftello(file);
+  gh_status status = feof(file) || !ferror(file) ? GH_OK : cannot(ctx, path, "read");
   free(line);
   fclose(file);
-  return end;
+  return status;
 }
 
 /* *end: where the frame goes, -1 while unknown; afterwards where the next one goes. */
 static gh_status append(gh_context *ctx, const char *path, int counter, const gh_text *frame, off_t *end) {
   size_t length, done = 0;
+  GH_TRY(gh_text_check(frame));
   const char *bytes = gh_text_get(frame, &length);
-  if (*end < 0) *end = find_end(path, counter);
+  if (*end < 0) GH_TRY(find_end(ctx, path, counter, end));
   int fd = open(path, O_WRONLY | O_CREAT | O_CLOEXEC, 0666);
   if (fd < 0) return cannot(ctx, path, "open");
   gh_status status = ftruncate(fd, *end) == 0 ? GH_OK : cannot(ctx, path, "cut");
@@ -67,7 +72,7 @@ static gh_status append(gh_context *ctx, const char *path, int counter, const gh
   }
   if (status == GH_OK && fsync(fd) != 0) status = cannot(ctx, path, "write");
   if (status != GH_OK && ftruncate(fd, *end) != 0) status = cannot(ctx, path, "take back a part of a frame");
-  close(fd);
+  if (close(fd) != 0 && status == GH_OK && errno != EINTR) status = cannot(ctx, path, "write");
   if (status == GH_OK) *end += (off_t)length;
   return status;
 }

@@ -1,8 +1,8 @@
 /* run.json: what was run, on what, with which outcome. SPDX-License-Identifier: GPL-2.0-or-later */
+#include "io/json.h"
 #include "scene/internal.h"
 #include "granhom/granhom.h"
 
-#include <cjson/cJSON.h>
 #include <string.h>
 #include <sys/utsname.h>
 #include <unistd.h>
@@ -11,186 +11,174 @@
 #define GH_BUILD_FLAGS "unknown"
 #endif
 
-/* cJSON keeps the first failure to itself: an object that could not be made is NULL, and adding to NULL does
- * nothing. */
-static cJSON *group(cJSON *parent, const char *name) {
-  return cJSON_AddObjectToObject(parent, name);
-}
-static void text(cJSON *o, const char *name, const char *value) {
-  cJSON_AddStringToObject(o, name, value);
-}
-static void truth(cJSON *o, const char *name, bool value) {
-  cJSON_AddBoolToObject(o, name, value);
-}
-/* 17 digits; JSON has no NaN: null. */
-static void number(cJSON *o, const char *name, double value) {
-  if (isfinite(value)) cJSON_AddNumberToObject(o, name, value);
-  else cJSON_AddNullToObject(o, name);
-}
-
 /* Asking LAMMPS for its version opens it, and MPI: not for a scene that does without. */
-static void add_program(cJSON *root, const gh_scene *s) {
-  cJSON *o = group(root, "program");
-  text(o, "name", "granhom");
-  text(o, "version", GH_VERSION);
-  text(o, "compiler", __VERSION__);
-  text(o, "flags", GH_BUILD_FLAGS);
-  text(o, "build", gh_build());
-  number(o, "lammps", s->micro.engine == GH_ENGINE_LAMMPS ? gh_engine_lammps_version() : NAN);
+static void add_program(gh_json root, const gh_scene *s) {
+  gh_json o = gh_json_group(root, "program");
+  gh_json_text(o, "name", "granhom");
+  gh_json_text(o, "version", GH_VERSION);
+  gh_json_text(o, "compiler", __VERSION__);
+  gh_json_text(o, "flags", GH_BUILD_FLAGS);
+  gh_json_text(o, "build", gh_build());
+  gh_json_number(o, "lammps", s->micro.engine == GH_ENGINE_LAMMPS ? gh_engine_lammps_version() : NAN);
 }
 
-static void add_machine(cJSON *root) {
+static void add_machine(gh_json root) {
   struct utsname name;
-  cJSON *o = group(root, "machine");
+  gh_json o = gh_json_group(root, "machine");
   if (uname(&name) == 0) {
-    text(o, "host", name.nodename);
-    text(o, "system", name.sysname);
-    text(o, "release", name.release);
-    text(o, "architecture", name.machine);
+    gh_json_text(o, "host", name.nodename);
+    gh_json_text(o, "system", name.sysname);
+    gh_json_text(o, "release", name.release);
+    gh_json_text(o, "architecture", name.machine);
   }
-  number(o, "cores", (double)sysconf(_SC_NPROCESSORS_ONLN));
+  gh_json_number(o, "cores", (double)sysconf(_SC_NPROCESSORS_ONLN));
 }
 
-static void add_options(cJSON *root, const gh_scene *s, const gh_farm *farm) {
+static void add_options(gh_json root, const gh_scene *s, const gh_farm *farm) {
   static const char *const starts[] = {"none", "confinement", "balance"};
-  cJSON *o = group(root, "options"), *micro = group(o, "micro"), *solver = group(o, "solver"),
-        *start = group(o, "start");
-  text(micro, "boundary", gh_boundary_name(s->micro.boundary));
-  text(micro, "engine", s->micro.engine == GH_ENGINE_NATIVE ? "native" : "lammps");
-  number(micro, "normal_stiffness", s->micro.law.normal_stiffness);
-  text(micro, "relaxation", gh_relaxation_name(s->micro.relaxation));
-  number(micro, "tolerance", s->micro.tolerance);
-  number(micro, "max_steps", (double)gh_rve_step_limit(&s->micro));
-  number(micro, "accept", s->micro.accept);
-  number(micro, "grains", s->packings[0]->n);
-  number(micro, "points", gh_farm_size(farm));
-  text(solver, "method", "newton");
-  number(solver, "tolerance", s->solver.tolerance);
-  number(solver, "max_iterations", s->solver.max_iterations);
-  number(solver, "cut_steps", s->solver.cut_steps);
-  truth(solver, "line_search", s->solver.line_search);
-  number(solver, "search_memory", s->solver.memory);
-  text(solver, "tangent", gh_tangent_name(s->solver.tangent));
-  number(solver, "at_once", s->at_once);
-  truth(solver, "estimate_error", s->estimate);
-  truth(solver, "pass_jumps", s->solver.pass_jumps);
-  text(start, "kind", starts[s->start]);
-  number(start, "confinement", s->start == SCENE_START_CONFINEMENT ? s->confinement : NAN);
+  gh_json o = gh_json_group(root, "options"), micro = gh_json_group(o, "micro"),
+          solver = gh_json_group(o, "solver"), start = gh_json_group(o, "start");
+  gh_json_text(micro, "boundary", gh_boundary_name(s->micro.boundary));
+  gh_json_text(micro, "engine", s->micro.engine == GH_ENGINE_NATIVE ? "native" : "lammps");
+  gh_json_number(micro, "normal_stiffness", s->micro.law.normal_stiffness);
+  gh_json_text(micro, "relaxation", gh_relaxation_name(s->micro.relaxation));
+  gh_json_number(micro, "tolerance", s->micro.tolerance);
+  gh_json_number(micro, "max_steps", (double)gh_rve_step_limit(&s->micro));
+  gh_json_number(micro, "accept", s->micro.accept);
+  gh_json_number(micro, "grains", s->packings[0]->n);
+  gh_json_number(micro, "points", gh_farm_size(farm));
+  gh_json_text(solver, "method", "newton");
+  gh_json_number(solver, "tolerance", s->solver.tolerance);
+  gh_json_number(solver, "max_iterations", s->solver.max_iterations);
+  gh_json_number(solver, "cut_steps", s->solver.cut_steps);
+  gh_json_truth(solver, "line_search", s->solver.line_search);
+  gh_json_number(solver, "search_memory", s->solver.memory);
+  gh_json_text(solver, "tangent", gh_tangent_name(s->solver.tangent));
+  gh_json_number(solver, "at_once", s->at_once);
+  gh_json_truth(solver, "estimate_error", s->estimate);
+  gh_json_truth(solver, "pass_jumps", s->solver.pass_jumps);
+  gh_json_text(start, "kind", starts[s->start]);
+  gh_json_number(start, "confinement", s->start == SCENE_START_CONFINEMENT ? s->confinement : NAN);
 }
 
 /* Which packing is at which integration point: a number of the list for each. */
-static void add_packings(cJSON *root, const gh_scene *s) {
+static void add_packings(gh_json root, const gh_scene *s) {
   int points = 4 * s->mesh->nelements;
-  cJSON *o = group(root, "packings"), *list = cJSON_AddArrayToObject(o, "files");
+  gh_json o = gh_json_group(root, "packings");
+  cJSON *list = cJSON_AddArrayToObject(o.at, "files");
   for (int k = 0; k < s->npackings; k++) {
-    cJSON *entry = cJSON_CreateObject();
-    text(entry, "file", s->packing_paths[k]);
-    number(entry, "grains", s->packings[k]->n);
-    number(entry, "points", scene_packing_points(s, k));
-    cJSON_AddItemToArray(list, entry);
+    gh_json entry = {.at = cJSON_CreateObject(), .failed = root.failed};
+    gh_json_text(entry, "file", s->packing_paths[k]);
+    gh_json_number(entry, "grains", s->packings[k]->n);
+    gh_json_number(entry, "points", scene_packing_points(s, k));
+    if (cJSON_AddItemToArray(list, entry.at)) continue;
+    cJSON_Delete(entry.at);
+    *root.failed = true;
   }
-  if (s->packing_drawn) number(o, "seed", (double)s->packing_seed);
-  if (s->npackings > 1) cJSON_AddItemToObject(o, "of_point", cJSON_CreateIntArray(s->packing_of, points));
+  if (s->packing_drawn) gh_json_number(o, "seed", (double)s->packing_seed);
+  if (s->npackings > 1) gh_json_add(o, "of_point", cJSON_CreateIntArray(s->packing_of, points));
 }
 
 /* What the pictures need to know: which set is driven, and in which direction. */
-static void add_driven(cJSON *root, const gh_scene *s) {
+static void add_driven(gh_json root, const gh_scene *s) {
   int set, direction;
   if (!scene_driven(s, &set, &direction)) return;
-  cJSON *o = group(root, "driven");
-  text(o, "set", s->mesh->sets[set].name);
-  text(o, "direction", direction ? "y" : "x");
+  gh_json o = gh_json_group(root, "driven");
+  gh_json_text(o, "set", s->mesh->sets[set].name);
+  gh_json_text(o, "direction", direction ? "y" : "x");
 }
 
 /* What the run knows of its error; energies in units of the scene, defects and errors relative. */
-static void add_error(cJSON *root, const gh_run_summary *m, bool estimated) {
+static void add_error(gh_json root, const gh_run_summary *m, bool estimated) {
   static const char *const names[GH_ERRORS] = {"stress_l2", "stress_largest", "displacement", "force"};
   const gh_energy *e = &m->energy;
-  cJSON *o = group(root, "error");
-  number(o, "residual", e->residual);
-  number(o, "micro_residual", e->micro_residual);
-  number(o, "energy_defect", gh_energy_defect(e));
-  number(o, "work_defect", gh_work_defect(e));
-  number(o, "inner_work", e->inner_work);
-  number(o, "outer_work", e->outer_work);
-  number(o, "energy", e->energy);
-  number(o, "dissipation", e->dissipation);
-  number(o, "freed_in_jumps", e->freed);
+  gh_json o = gh_json_group(root, "error");
+  gh_json_number(o, "residual", e->residual);
+  gh_json_number(o, "micro_residual", e->micro_residual);
+  gh_json_number(o, "energy_defect", gh_energy_defect(e));
+  gh_json_number(o, "work_defect", gh_work_defect(e));
+  gh_json_number(o, "inner_work", e->inner_work);
+  gh_json_number(o, "outer_work", e->outer_work);
+  gh_json_number(o, "energy", e->energy);
+  gh_json_number(o, "dissipation", e->dissipation);
+  gh_json_number(o, "freed_in_jumps", e->freed);
   if (!estimated) return;
   const gh_run_estimate *q = &m->estimate;
-  o = group(o, "estimate");
-  for (int k = 0; k < GH_ERRORS; k++) number(o, names[k], gh_estimated_error(q, k));
-  number(o, "increments", q->increments);
-  number(o, "branched_increments", q->branched);
-  number(o, "largest_branch", q->branch);
-  number(o, "extra_seconds", q->seconds);
+  o = gh_json_group(o, "estimate");
+  for (int k = 0; k < GH_ERRORS; k++) gh_json_number(o, names[k], gh_estimated_error(q, k));
+  gh_json_number(o, "increments", q->increments);
+  gh_json_number(o, "branched_increments", q->branched);
+  gh_json_number(o, "largest_branch", q->branch);
+  gh_json_number(o, "extra_seconds", q->seconds);
 }
 
-static void add_overrides(cJSON *root, const gh_scene *s) {
+static void add_overrides(gh_json root, const gh_scene *s) {
   if (s->noverrides == 0) return;
-  cJSON *o = group(root, "overrides");
-  for (int k = 0; k < s->noverrides; k++) text(o, s->override_key[k], s->override_value[k]);
+  gh_json o = gh_json_group(root, "overrides");
+  for (int k = 0; k < s->noverrides; k++) gh_json_text(o, s->override_key[k], s->override_value[k]);
 }
 
-static void add_summary(cJSON *root, const gh_run_summary *m) {
-  cJSON *o = group(root, "summary"), *time = group(o, "seconds"), *farm = group(o, "farm");
-  number(o, "steps", m->steps);
-  number(o, "increments", m->increments);
-  number(o, "iterations", m->iterations);
-  number(o, "substeps", m->substeps);
-  number(o, "cuts", m->cuts);
-  number(o, "jumps", m->jumps);
-  number(o, "points", m->points);
-  number(o, "unjammed", m->unjammed);
-  number(o, "min_acoustic", m->min_acoustic);
-  number(o, "evaluations", (double)m->cost.evaluations);
-  number(o, "relaxation_steps", (double)m->cost.steps);
-  number(o, "factorisations", (double)m->cost.factorisations);
-  number(o, "pair_evaluations", (double)m->cost.pairs);
-  number(farm, "ranks", m->farm.ranks);
-  number(farm, "evaluations", (double)m->farm.evaluations);
-  number(farm, "pair_evaluations", (double)m->farm.pairs);
-  number(farm, "slip_kept", (double)m->farm.kept);
-  number(farm, "accepted", (double)m->farm.accepted);
-  number(farm, "computed", (double)m->farm.computed);
-  number(farm, "moved", (double)m->farm.moved);
-  number(farm, "busy_seconds", m->farm.busy);
-  number(farm, "longest_seconds", m->farm.longest);
-  number(farm, "different_rves", m->farm.states);
-  number(farm, "rves_kept_ready", m->farm.residents);
-  number(farm, "bytes_of_one", m->farm.bytes);
-  number(time, "total", m->seconds);
-  number(time, "micro", m->micro_seconds);
-  number(time, "micro_set", m->cost.set);
-  number(time, "micro_relax", m->cost.relax);
-  number(time, "micro_contacts", m->cost.contacts);
-  number(time, "micro_factorise", m->cost.factorise);
-  number(time, "micro_sum", m->cost.total); /* over all points: the parts above belong to it */
-  number(time, "results", m->results_seconds);
+static void add_summary(gh_json root, const gh_run_summary *m) {
+  gh_json o = gh_json_group(root, "summary"), time = gh_json_group(o, "seconds"),
+          farm = gh_json_group(o, "farm");
+  gh_json_number(o, "steps", m->steps);
+  gh_json_number(o, "increments", m->increments);
+  gh_json_number(o, "iterations", m->iterations);
+  gh_json_number(o, "substeps", m->substeps);
+  gh_json_number(o, "cuts", m->cuts);
+  gh_json_number(o, "jumps", m->jumps);
+  gh_json_number(o, "points", m->points);
+  gh_json_number(o, "unjammed", m->unjammed);
+  gh_json_number(o, "min_acoustic", m->min_acoustic);
+  gh_json_number(o, "evaluations", (double)m->cost.evaluations);
+  gh_json_number(o, "relaxation_steps", (double)m->cost.steps);
+  gh_json_number(o, "factorisations", (double)m->cost.factorisations);
+  gh_json_number(o, "pair_evaluations", (double)m->cost.pairs);
+  gh_json_number(farm, "ranks", m->farm.ranks);
+  gh_json_number(farm, "evaluations", (double)m->farm.evaluations);
+  gh_json_number(farm, "pair_evaluations", (double)m->farm.pairs);
+  gh_json_number(farm, "slip_kept", (double)m->farm.kept);
+  gh_json_number(farm, "accepted", (double)m->farm.accepted);
+  gh_json_number(farm, "computed", (double)m->farm.computed);
+  gh_json_number(farm, "moved", (double)m->farm.moved);
+  gh_json_number(farm, "busy_seconds", m->farm.busy);
+  gh_json_number(farm, "longest_seconds", m->farm.longest);
+  gh_json_number(farm, "different_rves", m->farm.states);
+  gh_json_number(farm, "rves_kept_ready", m->farm.residents);
+  gh_json_number(farm, "bytes_of_one", m->farm.bytes);
+  gh_json_number(time, "total", m->seconds);
+  gh_json_number(time, "micro", m->micro_seconds);
+  gh_json_number(time, "micro_set", m->cost.set);
+  gh_json_number(time, "micro_relax", m->cost.relax);
+  gh_json_number(time, "micro_contacts", m->cost.contacts);
+  gh_json_number(time, "micro_factorise", m->cost.factorise);
+  gh_json_number(time, "micro_sum", m->cost.total); /* over all points: the parts above belong to it */
+  gh_json_number(time, "results", m->results_seconds);
 }
 
 char *scene_run_json(const gh_scene *scene, const gh_farm *farm, const char *started, const char *status,
                      const char *message, const gh_run_summary *summary) {
-  cJSON *root = cJSON_CreateObject(), *units;
-  text(root, "title", scene->title);
-  text(root, "status", status);
-  if (message && *message) text(root, "message", message);
-  text(root, "started", started);
+  bool failed = false;
+  gh_json root = {.at = cJSON_CreateObject(), .failed = &failed}, units;
+  gh_json_text(root, "title", scene->title);
+  gh_json_text(root, "status", status);
+  if (message && *message) gh_json_text(root, "message", message);
+  gh_json_text(root, "started", started);
   add_program(root, scene);
   add_machine(root);
   add_options(root, scene, farm);
   add_driven(root, scene);
-  units = group(root, "units");
-  text(units, "length", scene->length_unit);
-  text(units, "force", scene->force_unit);
+  units = gh_json_group(root, "units");
+  gh_json_text(units, "length", scene->length_unit);
+  gh_json_text(units, "force", scene->force_unit);
   if (summary) add_summary(root, summary);
   if (summary) add_error(root, summary, scene->estimate);
-  text(root, "scene_file", scene->path);
-  text(root, "packing_file", scene->packing_paths[0]);
+  gh_json_text(root, "scene_file", scene->path);
+  gh_json_text(root, "packing_file", scene->packing_paths[0]);
   add_packings(root, scene);
-  text(root, "scene", scene->text);
+  gh_json_text(root, "scene", scene->text);
   add_overrides(root, scene);
-  char *json = cJSON_Print(root);
-  cJSON_Delete(root);
+  char *json = failed ? NULL : cJSON_Print(root.at);
+  cJSON_Delete(root.at);
   return json;
 }

@@ -1,6 +1,7 @@
 /* What a folder of results tells those who draw it. SPDX-License-Identifier: GPL-2.0-or-later
  */
 #include "io/file.h"
+#include "io/json.h"
 #include "scene/report.h"
 #include "scene/results.h"
 
@@ -44,7 +45,8 @@ gh_status scene_run_read(gh_context *ctx, const char *folder, cJSON **root) {
   char *path = gh_path_join(folder, "run.json"), *text = NULL;
   if (!path) return gh_fail(ctx, GH_MEMORY, "no memory for a path");
   gh_status status = gh_file_text(ctx, path, &text);
-  *root = status == GH_OK ? cJSON_Parse(text) : NULL;
+  *root = NULL;
+  if (status == GH_OK) status = gh_json_parse(ctx, path, text, root);
   if (status == GH_OK && !cJSON_IsObject(*root)) {
     status = gh_fail(ctx, GH_INPUT, "%s: is no JSON object: cut off, or of another program", path);
     cJSON_Delete(*root);

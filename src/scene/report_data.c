@@ -1,10 +1,10 @@
 /* What a report reads. SPDX-License-Identifier: GPL-2.0-or-later */
 #include "io/file.h"
+#include "io/json.h"
 #include "scene/report.h"
 
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 void report_close(report *r) {
   gh_h5_close(&r->results);
@@ -53,8 +53,10 @@ gh_status report_field(report *r, int k, const char *name, size_t rows, size_t c
 static gh_status read_run(report *r) {
   char *path = gh_path_join(r->folder, "run.json");
   if (!path) return gh_fail(r->ctx, GH_MEMORY, "no memory for a path");
-  bool there = access(path, R_OK) == 0;
+  bool there = false;
+  gh_status status = gh_file_there(r->ctx, path, &there);
   free(path);
+  GH_TRY(status);
   if (!there) return gh_fail(r->ctx, GH_INPUT, "%s: holds no results of `granhom run`", r->folder);
   GH_TRY(scene_run_read(r->ctx, r->folder, &r->run));
   return scene_labels_of(r->ctx, r->folder, r->run, &r->labels);
@@ -69,8 +71,10 @@ static gh_status no_increment(report *r) {
 static gh_status read_tables(report *r) {
   char *path = gh_path_join(r->folder, "results.h5");
   if (!path) return gh_fail(r->ctx, GH_MEMORY, "no memory for a path");
-  bool there = access(path, R_OK) == 0;
+  bool there = false;
+  gh_status found = gh_file_there(r->ctx, path, &there);
   free(path);
+  GH_TRY(found);
   if (!there) return no_increment(r);
   GH_TRY(scene_table_read(r->ctx, r->folder, "history.csv", &r->history));
   GH_TRY(scene_curve_choose(r->ctx, &r->history, &r->labels, &r->curve));
@@ -214,9 +218,10 @@ static void choose_film(report *r) {
 static gh_status open_optional(report *r, const char *name, gh_h5 **file) {
   char *path = gh_path_join(r->folder, name);
   if (!path) return gh_fail(r->ctx, GH_MEMORY, "no memory for a path");
-  bool there = access(path, F_OK) == 0;
+  bool there = false;
+  gh_status status = gh_file_there(r->ctx, path, &there);
   free(path);
-  return there ? scene_open_h5(r->ctx, r->folder, name, file) : GH_OK;
+  return there ? scene_open_h5(r->ctx, r->folder, name, file) : status;
 }
 
 gh_status report_open(gh_context *ctx, const char *folder, const int *points, int npoints, report *r) {

@@ -2,7 +2,6 @@
 #include "scene/report.h"
 
 #include <stdlib.h>
-#include <unistd.h>
 
 static double error(const report *r, const char *name) {
   return report_run_number(r, (const char *const[]){"error", name, NULL});
@@ -16,9 +15,10 @@ gh_status report_seconds(report *r, double *seconds) {
   scene_table t = {0};
   char *path = gh_path_join(r->folder, "timing.csv");
   if (!path) return gh_fail(r->ctx, GH_MEMORY, "no memory for a path");
-  const bool there = access(path, R_OK) == 0;
+  bool there = false;
+  gh_status status = gh_file_there(r->ctx, path, &there);
   free(path);
-  gh_status status = there ? scene_table_read(r->ctx, r->folder, "timing.csv", &t) : GH_OK;
+  if (there) status = scene_table_read(r->ctx, r->folder, "timing.csv", &t);
   const int column = there && status == GH_OK ? scene_table_column(&t, "seconds") : -1;
   for (int k = 0; k < r->n; k++)
     seconds[k] = column >= 0 && k < t.nrows ? scene_table_number(&t, k, column) : NAN;

@@ -73,7 +73,7 @@ static gh_status write_xdmf(scene_results *r, const gh_text *steps, const char *
   gh_text *whole;
   GH_TRY(gh_text_create(r->ctx, &whole));
   scene_xdmf_begin(whole);
-  gh_text_print(whole, "%s", gh_text_get(steps, NULL));
+  gh_text_join(whole, steps);
   scene_xdmf_end(whole);
   gh_status status = commit_text(r, whole, name);
   gh_text_destroy(&whole);
@@ -84,9 +84,9 @@ static gh_status write_xdmf(scene_results *r, const gh_text *steps, const char *
 static gh_status remove_old(scene_results *r, const char *name) {
   char *path;
   GH_TRY(scene_result_path(r, name, &path));
-  unlink(path);
+  gh_status status = gh_file_remove(r->ctx, path);
   free(path);
-  return GH_OK;
+  return status;
 }
 
 static gh_status begin(scene_results *r) {

@@ -59,10 +59,10 @@ void study_log_axis(gh_text *out, char axis, double low, double high, double ran
 
 gh_status study_picture(const gh_study *s, const char *folder, const char *name, int width, int height,
                         gh_text *commands) {
-  size_t length;
+  GH_TRY(gh_text_check(commands));
   char *png = gh_path_join(folder, name);
   if (!png) return gh_fail(s->ctx, GH_MEMORY, "no memory for a path");
-  gh_status status = gh_picture_script(s->ctx, gh_text_get(commands, &length), width, height, png);
+  gh_status status = gh_picture_script(s->ctx, gh_text_get(commands, NULL), width, height, png);
   free(png);
   return status;
 }

@@ -146,7 +146,7 @@ bool study_team_alike(study_team *team, uint64_t number);
 void study_team_share(study_team *team, unsigned char *flags, int n);
 /* Every rank gives its text, rank 0 takes those of all others, in the order of the ranks; waits for them, and
  * listens meanwhile. take(data, text). */
-gh_status study_team_gather(study_team *team, const gh_text *mine,
+gh_status study_team_gather(study_team *team, const char *mine,
                             gh_status (*take)(void *data, const char *text), void *data,
                             void (*hear)(void *data, const char *note), void *hear_data);
 /* The number of rank 0, on all ranks; waits without using the processor. */

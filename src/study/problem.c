@@ -6,6 +6,7 @@
 
 #include "granhom/granhom.h"
 
+#include <errno.h>
 #include <inttypes.h>
 #include <stdlib.h>
 #include <string.h>
@@ -39,9 +40,10 @@ static gh_status add_node(gh_context *ctx, node n, uint64_t *sum) {
   gh_text *text;
   GH_TRY(gh_text_create(ctx, &text));
   gh_yaml_print(n, text);
-  *sum = add_text(*sum, gh_text_get(text, NULL));
+  gh_status status = gh_text_check(text);
+  if (status == GH_OK) *sum = add_text(*sum, gh_text_get(text, NULL));
   gh_text_destroy(&text);
-  return GH_OK;
+  return status;
 }
 
 /* The content of a file that a key names. */
@@ -153,7 +155,7 @@ static gh_status refine_steps(gh_context *ctx, gh_yaml *doc, long refine, scene_
 /* The scene is read elsewhere, so that the file is named from the root. */
 static gh_status place_packing(gh_context *ctx, gh_yaml *doc, const char *file, scene_keys *k) {
   char *path = realpath(file, NULL), *yaml = NULL;
-  if (!path) return gh_fail(ctx, GH_INPUT, "%s: cannot be found", file);
+  if (!path) return gh_fail(ctx, gh_read_status(errno), "%s: cannot be found: %s", file, strerror(errno));
   gh_status status = quoted(ctx, path, &yaml);
   if (status == GH_OK) status = add_key(ctx, doc, k, "packing", yaml);
   free(path);

@@ -17,7 +17,8 @@ static gh_status one_line(gh_study *s, node n, char **value) {
   gh_text *text;
   GH_TRY(gh_text_create(s->ctx, &text));
   gh_yaml_print(n, text);
-  gh_status status = study_copy(s->ctx, gh_text_get(text, NULL), value);
+  gh_status status = gh_text_check(text);
+  if (status == GH_OK) status = study_copy(s->ctx, gh_text_get(text, NULL), value);
   gh_text_destroy(&text);
   if (status == GH_OK && !**value) return gh_yaml_fail(n, "a value is missing");
   return status;

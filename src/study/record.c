@@ -1,11 +1,11 @@
 /* Records of finished runs: runs/ID.json, with a checksum over all that stands before it.
  * SPDX-License-Identifier: GPL-2.0-or-later */
 #include "io/file.h"
+#include "io/json.h"
 #include "study/parts.h"
 
 #include "granhom/granhom.h"
 
-#include <cjson/cJSON.h>
 #include <inttypes.h>
 #include <stdlib.h>
 #include <string.h>
@@ -15,12 +15,17 @@
 
 /* ---- writing ---- */
 
+/* A string of JSON, with its quotes. */
 static void put_text(gh_text *out, const char *text) {
-  cJSON *string = cJSON_CreateString(text);
-  char *quoted = string ? cJSON_PrintUnformatted(string) : NULL;
-  gh_text_print(out, "%s", quoted ? quoted : "\"\"");
-  cJSON_free(quoted);
-  cJSON_Delete(string);
+  gh_text_print(out, "\"");
+  for (const unsigned char *c = (const unsigned char *)text; *c; c++) {
+    const char *letter = strchr("\"\\\bb\ff\nn\rr\tt", *c);
+    if (*c == '"' || *c == '\\') gh_text_print(out, "\\%c", *c);
+    else if (*c < ' ' && letter) gh_text_print(out, "\\%c", letter[1]);
+    else if (*c < ' ') gh_text_print(out, "\\u%04x", *c);
+    else gh_text_print(out, "%c", *c);
+  }
+  gh_text_print(out, "\"");
 }
 
 static void put_string(gh_text *out, const char *name, const char *text) {
@@ -112,6 +117,7 @@ gh_status study_record_print(const gh_study *s, int setting, const study_run *ru
   put_number(out, "residual", run->residual);
   put_number(out, "energy_defect", run->energy_defect);
   put_curve(s, out, &run->curve);
+  GH_TRY(gh_text_check(out));
   const char *text = gh_text_get(out, &length);
   gh_text_print(out, CHECK "%016" PRIx64 "\"\n}\n", study_hash(study_hash_begin, text, length));
   return GH_OK;
@@ -226,8 +232,9 @@ gh_status study_record_parse(const gh_study *s, const char *text, study_run *run
   memcpy(found.id, run->id, sizeof found.id);
   GH_TRY(check_sum(s, text));
   gh_c_locale l = gh_c_locale_begin();
-  cJSON *root = cJSON_Parse(text);
-  gh_status status = root ? get_run(s, root, &found) : damaged(s, "it is no JSON");
+  cJSON *root;
+  gh_status status = gh_json_parse(s->ctx, "the record of a run is damaged", text, &root);
+  if (status == GH_OK) status = get_run(s, root, &found);
   cJSON_Delete(root);
   gh_c_locale_end(l);
   if (status != GH_OK) {

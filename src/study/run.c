@@ -130,8 +130,8 @@ static gh_status keep(job *j, place at) {
   if (status == GH_OK && is_kept(run)) status = gh_text_commit(record, path);
   if (status == GH_OK && study_team_rank(j->team) > 0) {
     size_t length;
-    const char *text = gh_text_get(record, &length);
-    gh_text_print(j->given, "%d %d %zu\n%s", at.setting, at.member, length, text);
+    if (gh_text_get(record, &length)) gh_text_print(j->given, "%d %d %zu\n", at.setting, at.member, length);
+    gh_text_join(j->given, record);
   }
   free(path);
   gh_text_destroy(&record);
@@ -197,16 +197,20 @@ static gh_status take(void *data, const char *text) {
 
 /* Rank 0 has all runs afterwards, and fails as the first rank that did. */
 static gh_status collect(job *j, gh_status status) {
-  char message[2048] = "";
+  char message[2048] = "", failure[2100];
   gh_text *all = NULL;
   if (status != GH_OK) snprintf(message, sizeof message, "%s", gh_message(j->s->ctx));
   for (char *c = message; *c; c++)
     if (*c == '\n') *c = ' ';
-  gh_status given = gh_text_create(j->s->ctx, &all);
-  if (given == GH_OK) {
-    gh_text_print(all, "%d %s\n%s", (int)status, message, gh_text_get(j->given, NULL));
-    given = study_team_gather(j->team, all, take, j, hear, j);
+  gh_status told = gh_text_create(j->s->ctx, &all), given;
+  if (told == GH_OK) {
+    gh_text_print(all, "%d %s\n", (int)status, message);
+    if (j->given) gh_text_join(all, j->given);
+    told = gh_text_check(all);
   }
+  snprintf(failure, sizeof failure, "%d %s\n", (int)told, gh_message(j->s->ctx)); /* rank 0 waits for it */
+  given = study_team_gather(j->team, told == GH_OK ? gh_text_get(all, NULL) : failure, take, j, hear, j);
+  if (given == GH_OK) given = told;
   gh_text_destroy(&all);
   if (status != GH_OK && status != GH_STOPPED) return gh_fail(j->s->ctx, status, "%s", message);
   if (given != GH_OK) return given;
@@ -227,6 +231,7 @@ static gh_status copy_twins(job *j) {
     if (is_first(j, k) || !twin->finished) continue;
     GH_TRY(gh_text_create(s->ctx, &text));
     gh_status status = study_record_print(s, j->all[k - 1].setting, twin, text);
+    if (status == GH_OK) status = gh_text_check(text);
     if (status == GH_OK) status = study_record_parse(s, gh_text_get(text, NULL), run_at(s, j->all[k]));
     gh_text_destroy(&text);
     GH_TRY(status);

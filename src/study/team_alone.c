@@ -62,9 +62,8 @@ void study_team_share(study_team *t, unsigned char *flags, int n) {
   (void)t, (void)flags, (void)n;
 }
 
-gh_status study_team_gather(study_team *t, const gh_text *mine,
-                            gh_status (*take)(void *data, const char *text), void *data,
-                            void (*hear)(void *data, const char *note), void *hear_data) {
+gh_status study_team_gather(study_team *t, const char *mine, gh_status (*take)(void *data, const char *text),
+                            void *data, void (*hear)(void *data, const char *note), void *hear_data) {
   (void)t, (void)mine, (void)take, (void)data, (void)hear, (void)hear_data;
   return GH_OK;
 }

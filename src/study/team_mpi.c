@@ -160,15 +160,12 @@ static gh_status receive(study_team *t, int rank, void (*hear)(void *data, const
   return GH_OK;
 }
 
-gh_status study_team_gather(study_team *t, const gh_text *mine,
-                            gh_status (*take)(void *data, const char *text), void *data,
-                            void (*hear)(void *data, const char *note), void *hear_data) {
-  size_t length;
-  const char *text = gh_text_get(mine, &length);
+gh_status study_team_gather(study_team *t, const char *mine, gh_status (*take)(void *data, const char *text),
+                            void *data, void (*hear)(void *data, const char *note), void *hear_data) {
   if (t->alone) return GH_OK;
   if (t->rank > 0) {
     MPI_Request request;
-    MPI_Isend(text, (int)length, MPI_CHAR, 0, TAG_TEXT, t->comm, &request);
+    MPI_Isend(mine, (int)strlen(mine), MPI_CHAR, 0, TAG_TEXT, t->comm, &request);
     wait_for(&request);
     return GH_OK;
   }
