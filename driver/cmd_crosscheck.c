@@ -178,7 +178,7 @@ static gh_status crosscheck(cross_job *j) {
   GH_TRY(cli_mpi(j->ctx, true));
   GH_TRY(cut_path(j));
   GH_TRY(cross_check(j));
-  GH_TRY(gh_folder_make(j->ctx, j->folder));
+  GH_TRY(gh_lock_create(j->ctx, j->folder, &j->lock));
   GH_TRY(run_levels(j));
   cross_print(j);
   if (cross_draw(j) != GH_OK) gh_log(j->ctx, GH_LEVEL_WARNING, "no picture: %s", gh_message(j->ctx));
@@ -192,6 +192,7 @@ static void free_job(cross_job *j) {
   }
   gh_csv_destroy(&j->path.csv);
   gh_packing_destroy(&j->packing);
+  gh_lock_destroy(&j->lock);
 }
 
 static int run(int argc, char **argv) {

@@ -159,6 +159,7 @@ const cli_command cli_run = {
         "timing.csv, run.json (versions, options, outcome), checkpoint.h5 (for --restart). `granhom report "
         "DIR` "
         "makes a page of them, `granhom plot DIR` pictures.\n"
+        "A second run in a folder that another one writes into is refused at once, with exit status 1.\n"
         "Ctrl-C ends the run within a moment; a second one ends it at once. What is on disk is complete up "
         "to "
         "the increment before.\n"

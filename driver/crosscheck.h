@@ -44,6 +44,7 @@ typedef struct cross_level {
 typedef struct cross_job {
   gh_context *ctx;
   const char *packing_file, *path_file, *folder;
+  gh_lock *lock; /* of the folder */
   gh_packing *packing;
   path_rows path;
   gh_rve_options rve;

@@ -84,6 +84,13 @@ gh_status gh_folder_make(gh_context *ctx, const char *path);
 gh_status gh_file_there(gh_context *ctx, const char *path, bool *there);
 /* Removes a file that may be missing. GH_SYSTEM: it is still there. */
 gh_status gh_file_remove(gh_context *ctx, const char *path);
+/* Makes a folder, as above, and becomes the only one who writes into it, until gh_lock_destroy or the end of the
+ * process, whatever ends it. GH_SYSTEM: another process does already (its host and number are in the message);
+ * nothing was changed then. A file .lock in the folder tells of it; folders that were made for the lock and
+ * stay empty are removed with it. Who only reads needs no lock. */
+typedef struct gh_lock gh_lock;
+gh_status gh_lock_create(gh_context *ctx, const char *folder, gh_lock **lock);
+void gh_lock_destroy(gh_lock **lock);
 /* dir + "/" + name; name alone when it is absolute. Caller frees. NULL when out of memory. */
 char *gh_path_join(const char *dir, const char *name);
 /* Folder of a path ("." when it has none). Caller frees. */

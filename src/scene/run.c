@@ -13,6 +13,7 @@ typedef struct run {
   gh_macro *macro;
   gh_loads *loads;
   scene_results *results;
+  gh_lock *lock;         /* of the folder */
   gh_run_summary sum;    /* of this run and those that it goes on from, without the following: */
   gh_run_summary before; /* cost, farm and seconds up to the checkpoint that was read */
   double begin;
@@ -345,6 +346,7 @@ static gh_status open_run(run *r) {
   const gh_scene *s = r->scene;
   GH_TRY(check_build(r));
   if (r->folder) GH_TRY(scene_results_check(r->ctx, r->folder));
+  if (r->folder) GH_TRY(gh_lock_create(r->ctx, r->folder, &r->lock));
   r->sum.points = 4 * s->mesh->nelements;
   GH_TRY(gh_alloc(r->ctx, (size_t)s->nsteps + 1, sizeof *r->begin_u, &r->begin_u));
   GH_TRY(make_farm(r));
@@ -393,6 +395,7 @@ gh_status gh_scene_run(gh_scene *scene, const char *folder, const gh_run_options
   gh_loads_destroy(&r.loads);
   gh_macro_destroy(&r.macro);
   gh_farm_destroy(&r.farm);
+  gh_lock_destroy(&r.lock);
   if (summary) *summary = r.sum;
   return status;
 }

@@ -20,6 +20,7 @@ typedef struct job {
   gh_study *s;
   const char *folder;
   study_team *team;
+  gh_lock *lock; /* rank 0: of the folder */
   bool fresh;
   int total;   /* all runs */
   place *all;  /* by id; those of one id are one run, the first of them does it */
@@ -287,7 +288,6 @@ static gh_status agree_on_runs(job *j, gh_status status) {
 /* The folder for records, which can be written. */
 static gh_status make_folder(const job *j) {
   gh_context *ctx = j->s->ctx;
-  GH_TRY(scene_results_check(ctx, j->folder));
   char *runs = gh_path_join(j->folder, "runs");
   if (!runs) return gh_fail(ctx, GH_MEMORY, "no memory for a path");
   gh_status status = scene_results_check(ctx, runs);
@@ -308,9 +308,11 @@ static gh_status forget(const job *j, const study_run *run) {
 }
 
 /* Rank 0: folders, and which runs have no record (flags by `all`). */
-static gh_status prepare(const job *j, unsigned char *flags) {
+static gh_status prepare(job *j, unsigned char *flags) {
   gh_study *s = j->s;
   int others = 0;
+  GH_TRY(scene_results_check(s->ctx, j->folder));
+  GH_TRY(gh_lock_create(s->ctx, j->folder, &j->lock));
   GH_TRY(make_folder(j));
   for (int k = 0; k < j->total; k++) {
     study_run *run = run_at(s, j->all[k]);
@@ -446,6 +448,7 @@ gh_status gh_study_run(gh_study *s, const char *folder, const gh_study_options *
   gh_text_destroy(&j.given);
   free(j.all);
   free(j.todo);
+  gh_lock_destroy(&j.lock);
   study_team_destroy(&j.team);
   return status;
 }
