@@ -49,6 +49,20 @@ const char *gh_relaxation_name(gh_relaxation relaxation) {
   return relaxation_names[relaxation];
 }
 
+/* Lengths and forces, too. */
+static const double least_product = 1e-120, most_product = 1e120;
+
+static gh_status check_radius(gh_context *ctx, double r, double E) {
+  if (r >= least_product && r <= most_product && E * r >= least_product && E * r <= most_product)
+    return GH_OK;
+  return gh_fail(
+      ctx, GH_INPUT,
+      "grains of radius %g with a normal stiffness of %g: the radius, and the product of both, which "
+      "contact forces are a part of, must lie between %g and %g, so that their squares are numbers: "
+      "choose other units",
+      r, E, least_product, most_product);
+}
+
 static gh_status check_setup(gh_context *ctx, const gh_engine_setup *s) {
   if (s->n < 1) return gh_fail(ctx, GH_INPUT, "an engine needs at least one grain, not %d", s->n);
   GH_TRY(gh_contact_law_check(ctx, &s->law));
@@ -56,6 +70,7 @@ static gh_status check_setup(gh_context *ctx, const gh_engine_setup *s) {
     if (!(s->radius[i] > 0) || !isfinite(s->radius[i]))
       return gh_fail(ctx, GH_INPUT, "the radius of grain %d must be positive and finite, not %g", i + 1,
                      s->radius[i]);
+    GH_TRY(check_radius(ctx, s->radius[i], s->law.normal_stiffness));
     if (s->type && s->type[i] < 1)
       return gh_fail(ctx, GH_INPUT, "the type of grain %d must be 1 or more, not %d", i + 1, s->type[i]);
   }
@@ -129,7 +144,7 @@ static double lattice_height(const double cell[4]) {
       a2 = b2;
     }
     double times = nearbyint((a[0] * b[0] + a[1] * b[1]) / a2);
-    if (times == 0) return gh_det2(cell) / hypot(b[0], b[1]);
+    if (!(fabs(times) >= 1)) return gh_det2(cell) / hypot(b[0], b[1]); /* also where it is NaN */
     for (int k = 0; k < 2; k++) b[k] -= times * a[k];
   }
 }
@@ -142,16 +157,16 @@ static gh_status check_cell(const gh_engine *e, const double cell[4]) {
     return gh_fail(e->ctx, GH_INPUT, "the cell [%g %g; %g %g] must be finite with a positive determinant",
                    cell[0], cell[1], cell[2], cell[3]);
   double longest = fmax(hypot(cell[0], cell[2]), hypot(cell[1], cell[3]));
-  if (longest > sqrt(most_distorted) * sqrt(det))
+  if (!(longest <= sqrt(most_distorted) * sqrt(det)))
     return gh_fail(e->ctx, GH_INPUT, "the cell [%g %g; %g %g] is distorted beyond use", cell[0], cell[1],
                    cell[2], cell[3]);
-  if (e->area > most_filled * det)
+  if (!(e->area <= most_filled * det))
     return gh_fail(
         e->ctx, GH_INPUT,
         "the cell [%g %g; %g %g] is compressed too far: the grains fill it %.3g times, at most %g is "
         "possible",
         cell[0], cell[1], cell[2], cell[3], e->area / det, most_filled);
-  if (e->reach > most_images * lattice_height(cell))
+  if (!(e->reach <= most_images * lattice_height(cell)))
     return gh_fail(
         e->ctx, GH_INPUT,
         "the cell [%g %g; %g %g] is too thin for grains of diameter %g: one would touch more than %g "
@@ -235,7 +250,14 @@ gh_status gh_engine_contacts(gh_engine *e, gh_contact_list *list) {
 }
 
 gh_status gh_engine_get(gh_engine *e, double *x, double *theta) {
-  return e->ops->get(e->self, x, theta);
+  GH_TRY(e->ops->get(e->self, x, theta));
+  for (int i = 0; i < 2 * e->n; i++)
+    if (!isfinite(x[i]))
+      return gh_fail(e->ctx, GH_DIVERGED, "relaxation has thrown grain %d to a place that is not finite",
+                     i / 2 + 1);
+  if (e->friction && !gh_finite(theta, (size_t)e->n))
+    return gh_fail(e->ctx, GH_DIVERGED, "relaxation has given a grain a rotation that is not finite");
+  return GH_OK;
 }
 
 void gh_engine_costs(const gh_engine *e, gh_engine_cost *cost) {

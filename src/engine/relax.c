@@ -4,8 +4,8 @@
 
 #include "contact/normal.h"
 
-#include <math.h>
-#include <stdbool.h>
+#include "granhom/base.h"
+
 #include <string.h>
 
 enum { BOUND_EVERY = 32 }; /* steps between two bounds of the largest eigenvalue */
@@ -60,6 +60,16 @@ static void gather(const gh_relax_state *s, const double *restrict pf) {
   }
 }
 
+double gh_relax_largest(int n, const unsigned char *held, const double *f, const double *couple) {
+  double largest = 0;
+  for (int i = 0; i < n; i++) {
+    const double force = held && held[i] ? 0 : hypot(f[2 * i], f[2 * i + 1]);
+    largest = gh_max(largest, gh_max(force, couple ? fabs(couple[i]) : 0));
+    if (!isfinite(f[2 * i]) || !isfinite(f[2 * i + 1])) return NAN;
+  }
+  return isfinite(largest) ? largest : NAN;
+}
+
 double gh_relax_forces(gh_relax_state *s, double *mean_force) {
   int count;
   double sum = pair_forces(s->pairs, s->npairs, s->stiffness, s->x, s->work, &count), largest = 0, all = 0;
@@ -70,7 +80,14 @@ double gh_relax_forces(gh_relax_state *s, double *mean_force) {
     all += f2;
   }
   *mean_force = count ? sum / count : 0;
-  return isfinite(all) ? sqrt(largest) : NAN; /* a comparison with NaN would pass over it */
+  /* the comparison passes over NaN, and squares may have left the range of numbers */
+  return all <= GH_RELAX_MOST && largest >= GH_RELAX_LEAST ? sqrt(largest)
+                                                           : gh_relax_largest(s->n, s->held, s->f, NULL);
+}
+
+double gh_relax_quotient(double up, double down) {
+  const double quotient = up / down;
+  return down > 0 && up > 0 && isfinite(quotient) ? quotient : 0;
 }
 
 double gh_relax_bound(double kxx, double kxy, double kyy) {
@@ -143,7 +160,7 @@ static double rayleigh(const gh_relax_state *s, const double *old, double dt) {
     up += s->v[k] * (old[k] - s->f[k]);
     down += s->v[k] * s->v[k];
   }
-  return down > 0 && up > 0 ? up / (dt * down) : 0;
+  return gh_relax_quotient(up, dt * down);
 }
 
 gh_relax_end gh_relax_run(gh_relax_state *s, double tolerance, double floor, long max_steps, double *residual,

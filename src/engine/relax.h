@@ -66,6 +66,15 @@ double gh_relax_move(gh_relax_state *s, double a, double b, double dt);
  * contact). */
 double gh_relax_forces(gh_relax_state *s, double *mean_force);
 
+/* The largest of the forces (n x 2) on free grains and of the couples (n; NULL: none): slowly, but for
+ * numbers whose squares overflow or underflow. NaN: one is not finite. */
+double gh_relax_largest(int n, const unsigned char *held, const double *f, const double *couple);
+/* Between these, sums of squares of forces are right. */
+#define GH_RELAX_LEAST 1e-290
+#define GH_RELAX_MOST 1e300
+/* up / down of a quotient of Rayleigh; 0: there is none, or it is no number. */
+double gh_relax_quotient(double up, double down);
+
 /* The time step of gh_relax_run at x: below the stability limit of all contacts that touch or nearly do. */
 double gh_relax_safe_step(const gh_relax_state *s);
 

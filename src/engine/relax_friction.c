@@ -4,8 +4,8 @@
 
 #include "contact/coulomb.h"
 
-#include <math.h>
-#include <stdbool.h>
+#include "granhom/base.h"
+
 #include <string.h>
 
 enum { BOUND_EVERY = 32 }; /* steps between two bounds of the largest eigenvalue */
@@ -163,7 +163,10 @@ static double forces(gh_relax_friction *s, const parts *w, double *mean_force) {
     largest = here > largest ? here : largest;
     all += f2 + c2;
   }
-  return isfinite(all) ? sqrt(largest) : NAN; /* a comparison with NaN would pass over it */
+  /* the comparison passes over NaN, and squares may have left the range of numbers */
+  return all <= GH_RELAX_MOST && largest >= GH_RELAX_LEAST
+             ? sqrt(largest)
+             : gh_relax_largest(g->n, g->held, g->f, turns ? w->couple : NULL);
 }
 
 void gh_relax_friction_begin(gh_relax_friction *s) {
@@ -202,6 +205,7 @@ static double largest_eigenvalue(const double *a) {
                      a[3] * (a[1] * a[4] - y * a[3]);
   if (!(spread > 0)) return mean;
   const double r = det / (2 * spread * spread * spread);
+  if (!isfinite(r)) return mean + 2 * spread; /* a cube has left the range of numbers: the largest possible */
   return mean + 2 * spread * cos(acos(fmin(1, fmax(-1, r))) / 3);
 }
 
@@ -280,7 +284,7 @@ static double rayleigh(const gh_relax_friction *s, const parts *w, double dt) {
     up += rim * (w->couple[i] - w->old_c[i]);
     down += 0.5 * rim * rim;
   }
-  return down > 0 && up > 0 ? up / (dt * down) : 0;
+  return gh_relax_quotient(up, dt * down);
 }
 
 /* Power of the moments of the spinning grains along their way `spun`, over the radius. It falls with the

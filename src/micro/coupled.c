@@ -182,9 +182,17 @@ static gh_status analyse(gh_context *ctx, gh_coupled *s) {
                  s->common.status);
 }
 
+/* Pivots of rotations are those of displacements times the radius, which KLU's scaling of rows leaves in: in
+ * units in which grains are tiny or huge, a regular matrix has a condition that small. */
+static double least_condition(const gh_coupled *s, const double *radius) {
+  static const double least = 1e-14, usual = 1e3; /* radii of 1e-3 to 1e3 count as 1 */
+  double mean = 0;
+  for (int m = 0; m < s->members; m++) mean += radius[m] / s->members;
+  return least * fmin(1, usual * fmin(mean, 1 / mean));
+}
+
 gh_status gh_coupled_factorise(gh_context *ctx, gh_coupled *s, const double *radius,
                                const gh_contact_list *list, double shift, bool *regular) {
-  static const double least_condition = 1e-14;
   *regular = true;
   if (s->n == 0) return GH_OK;
   assemble(s, radius, list, shift);
@@ -198,7 +206,7 @@ gh_status gh_coupled_factorise(gh_context *ctx, gh_coupled *s, const double *rad
     return gh_fail(ctx, GH_MEMORY, "KLU failed to factorise a stiffness of %d unknowns (status %d)", s->n,
                    s->common.status);
   *regular = s->numeric && s->common.status == KLU_OK && klu_rcond(s->symbolic, s->numeric, &s->common) &&
-             s->common.rcond > least_condition;
+             s->common.rcond > least_condition(s, radius);
   return GH_OK;
 }
 

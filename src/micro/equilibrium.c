@@ -17,9 +17,9 @@ static double largest_unbalance(const gh_rve *r) {
   if (r->relaxes)
     for (int i = 0; i < r->n; i++)
       if (!(r->held && r->held[i]))
-        largest = fmax(largest, hypot(r->list.force[2 * i], r->list.force[2 * i + 1]));
+        largest = gh_max(largest, hypot(r->list.force[2 * i], r->list.force[2 * i + 1]));
   if (r->turns)
-    for (int i = 0; i < r->n; i++) largest = fmax(largest, fabs(r->list.moment[i]) / r->radius[i]);
+    for (int i = 0; i < r->n; i++) largest = gh_max(largest, fabs(r->list.moment[i]) / r->radius[i]);
   return largest;
 }
 
@@ -320,7 +320,7 @@ static gh_status polish(gh_rve *r, bool *done, bool *again) {
  */
 static void find_limits(gh_rve *r, const double cell[4]) {
   r->extent = hypot(cell[0], cell[2]) + hypot(cell[1], cell[3]);
-  for (int k = 0; k < 2 * r->n; k++) r->extent = fmax(r->extent, fabs(r->x[k]));
+  for (int k = 0; k < 2 * r->n; k++) r->extent = gh_max(r->extent, fabs(r->x[k]));
   double E = r->options.law.normal_stiffness;
   r->floor = fmax(1e-13 * E * gh_packing_mean_radius(r->packing), 4 * DBL_EPSILON * E * r->extent);
 }

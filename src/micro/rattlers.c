@@ -62,7 +62,7 @@ static int angles(const gh_rattlers *r, int i, const gh_contact *contacts, doubl
     int q = count++;
     for (; q > 0 && angle[q - 1] > a; q--) angle[q] = angle[q - 1];
     angle[q] = a;
-    *force = fmax(*force, hypot(c->f[0], c->f[1]));
+    *force = gh_max(*force, hypot(c->f[0], c->f[1]));
   }
   return count;
 }
@@ -72,7 +72,7 @@ static bool is_rattler(const gh_rattlers *r, int i, const gh_contact *contacts, 
   int count = angles(r, i, contacts, angle, &force);
   if (count < 2) return true;
   double gap = angle[0] + 2 * pi - angle[count - 1];
-  for (int q = 1; q < count; q++) gap = fmax(gap, angle[q] - angle[q - 1]);
+  for (int q = 1; q < count; q++) gap = gh_max(gap, angle[q] - angle[q - 1]);
   return gap > pi + 1e-9 || (gap >= pi - 1e-9 && force <= 1e-6 * mean_force);
 }
 

@@ -52,8 +52,8 @@ void gh_rve_balance_add(gh_rve_balance *b, const gh_rve_measures *m) {
   memcpy(b->F, m->F, sizeof b->F);
   memcpy(b->P, m->P, sizeof b->P);
   b->held = held - b->first;
-  b->largest = fmax(b->largest, fmax(fabs(b->work), fabs(b->held)));
-  b->residual = fmax(b->residual, m->residual);
+  b->largest = gh_max(b->largest, gh_max(fabs(b->work), fabs(b->held)));
+  b->residual = gh_max(b->residual, m->residual);
 }
 
 double gh_rve_balance_defect(const gh_rve_balance *b) {

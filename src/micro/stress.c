@@ -98,6 +98,9 @@ static gh_status factor_of_equilibrium(gh_rve *r) {
                                   shift, &definite));
     r->m.factorisations++;
     if (definite) return GH_OK;
+    if (shift > r->options.law.normal_stiffness)
+      return gh_fail(r->ctx, GH_DIVERGED,
+                     "the stiffness of the packing is singular, even with a shift of %.3g", shift);
     r->m.regularised = 1;
     shift = shift > 0 ? 10 * shift : 1e-9 * r->options.law.normal_stiffness;
   }

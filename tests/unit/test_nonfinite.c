@@ -309,6 +309,59 @@ static void newton_has_no_units(void **state) {
       }
 }
 
+/* ---- packings ---- */
+
+/* Two by two disks that press each other, of radius r, in a cell of 3.9 r. */
+static gh_packing *four_disks(gh_context *ctx, double r) {
+  const double side = 3.9 * r, cell[4] = {side, 0, 0, side};
+  double x[8], radius[4];
+  for (int i = 0; i < 4; i++) {
+    x[2 * i] = side * (0.25 + 0.5 * (i % 2)), x[2 * i + 1] = side * (0.25 + 0.5 * (i / 2));
+    radius[i] = r;
+  }
+  return make_packing(ctx, 4, cell, radius, x);
+}
+
+/* Of the lattice: four contacts along x, of length 1.95 r f and overlap (2 - 1.95 f) r, in the area (3.9
+ * r)^2. */
+static double lattice_stress(double E, double f) {
+  return -E * (2 - 1.95 * f) * 4 * 1.95 / (3.9 * 3.9);
+}
+
+/* The right stress, or a refusal that says why; the number of refusals. */
+static int unit_check(gh_context *ctx, gh_engine_kind engine, gh_boundary b, double r, double E,
+                      bool friction) {
+  const double F[4] = {0.99, 0, 0, 1.001};
+  double P[4] = {0}, A[16];
+  gh_rve_options o = rve_options(engine, b, E, 1e-8);
+  if (friction) o.law.friction = 1, o.law.friction_coefficient = 0.3, o.law.tangential_stiffness = E;
+  gh_rve *rve = NULL;
+  gh_packing *packing = four_disks(ctx, r);
+  gh_status status = gh_rve_create(ctx, packing, &o, &rve);
+  if (status == GH_OK) OK(gh_rve_evaluate(rve, F, GH_WANT_TANGENT, P, A));
+  else FAILS(status, GH_INPUT, "choose other units");
+  if (status == GH_OK && (b == GH_TAYLOR_CELL || b == GH_PERIODIC))
+    NEAR("stress", P[0] / E, lattice_stress(1, 0.99), 1e-9);
+  if (status == GH_OK) assert_true(P[0] / E < -0.01 && isfinite(A[0]));
+  gh_rve_destroy(&rve);
+  gh_packing_destroy(&packing);
+  return status != GH_OK;
+}
+
+static void packings_have_units_or_are_refused(void **state) {
+  const double size[] = {1e-160, 1e-130, 1e-100, 1, 1e100, 1e130, 1e150},
+               stiffness[] = {1e-300, 1e-160, 1e-90, 1, 1e90, 1e160, 1e300};
+  int refused = 0, all = 0;
+  for (int engine = 0; engine < 2; engine++)
+    for (int b = 0; b < 4; b++)
+      for (int s = 0; s < 7; s++)
+        for (int e = 0; e < 7; e++, all++)
+          refused += unit_check(*state, engine ? GH_ENGINE_LAMMPS : GH_ENGINE_NATIVE, all_boundaries[b],
+                                size[s], stiffness[e], (s + e) % 2);
+  assert_int_equal(refused,
+                   8 * (49 - 7)); /* lengths of 1 with three stiffnesses, and of 1e+-100 with two each */
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {TEST(helpers_see_nan),
                                      TEST(norms_have_no_range),
@@ -318,6 +371,7 @@ int main(void) {
                                      TEST(newton_survives_one_fault),
                                      TEST(newton_fails_under_lasting_faults),
                                      TEST(loads_beyond_squares_do_not_converge),
-                                     TEST(newton_has_no_units)};
+                                     TEST(newton_has_no_units),
+                                     TEST(packings_have_units_or_are_refused)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -187,10 +187,40 @@ void FixRelax::measure() {
   MPI_Allreduce(mine, sum, 5, MPI_DOUBLE, MPI_SUM, world);
   MPI_Allreduce(&largest, &most, 1, MPI_DOUBLE, MPI_MAX, world);
   mean_force = sum[1] > 0 ? sum[0] / sum[1] : 0;
-  residual = mean_force > 0 ? std::sqrt(most) / mean_force : 0;
+  most = sum[3] <= GH_RELAX_MOST && most >= GH_RELAX_LEAST ? std::sqrt(most) : largest_force();
+  residual = mean_force > 0 ? most / mean_force : 0;
+  if (!std::isfinite(most) || !std::isfinite(mean_force)) residual = NAN;
+  refuse_nan();
   vf = sum[2];
   ff = sum[3];
   vv = sum[4];
+}
+
+/* Who drives the fix from outside refuses it there, and may try a shorter step. */
+void FixRelax::refuse_nan() {
+  if (driven || std::isfinite(residual)) return;
+  const char *const text =
+      "Fix granhom/relax: a force is not finite (two grains at one place, or stiffness and "
+      "lengths whose product no number holds: choose other units)";
+  error->all(FLERR, std::string(text));
+}
+
+/* The largest force or moment over the radius of all ranks, slowly, but for numbers whose squares overflow or
+ * underflow; NaN or inf where one is. */
+double FixRelax::largest_force() {
+  double mine = 0, most;
+  for (int i = 0; i < atom->nlocal; i++) {
+    const double *f = atom->f[i];
+    if (atom->mask[i] & groupbit) {
+      const double size = std::hypot(f[0], f[1], domain->dimension == 3 ? f[2] : 0);
+      mine = std::isfinite(size) ? std::max(mine, size) : INFINITY;
+    }
+    if (!turns) continue;
+    const double rim = std::fabs(atom->torque[i][2] / atom->radius[i]);
+    mine = std::isfinite(rim) ? std::max(mine, rim) : INFINITY;
+  }
+  MPI_Allreduce(&mine, &most, 1, MPI_DOUBLE, MPI_MAX, world);
+  return most;
 }
 
 void FixRelax::judge() {
@@ -287,7 +317,7 @@ double FixRelax::time_step() {
 }
 
 void FixRelax::step() {
-  double up = vf_before - vf, lambda = compare && up > 0 && vv > 0 ? up / (dt * vv) : 0,
+  double up = vf_before - vf, lambda = compare ? gh_relax_quotient(up, dt * vv) : 0,
          c = 2 * std::sqrt(lambda);
   if ((steps - 1) % BOUND_EVERY == 0 || dt == 0) dt = time_step();
   double a = compare ? (2 - c * dt) / (2 + c * dt) : 0, b = compare ? 2 * dt / (2 + c * dt) : dt / 2;
@@ -497,6 +527,7 @@ void FixRelax::run_kernel() {
   s.fire = fire;
   const long before = steps;
   const gh_relax_end how = coulomb ? kernel_with_friction(&s) : kernel(&s);
+  refuse_nan();
   damping = s.damping;
   fire = s.fire;
   evaluated += (steps - before) * (long)pairs.size();

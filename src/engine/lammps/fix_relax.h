@@ -104,6 +104,8 @@ private:
   void parse(int narg, char **arg);
   void check_inner();
   void measure();
+  void refuse_nan();
+  double largest_force();
   void judge();
   void add_blocks();
   double time_step();
