@@ -3,6 +3,8 @@
 #   make demo     installs what is missing, builds, runs a block of sand and draws it
 #   make check    installs what is missing, builds, runs all tests
 #   make bench    times of one RVE update and of the farm;   make asan / make valgrind   the tests under the checkers
+#   make fuzz     an hour of random inputs for all readers and of mutated scripts, scenes and studies (FUZZ_SECONDS, FUZZ_JOBS,
+#                 FUZZ_SEED, FUZZ_ONLY="gmsh scene"), on a build with sanitizers; findings are kept in build-fuzz/findings
 #   make extreme  the cases of docs/stability.md, the long ones too, and its table
 #   make study    tables and pictures of docs/error-vs-time.md (hours); make study QUICK=1 (minutes)
 #   make format   clang-format over all sources
@@ -47,7 +49,13 @@ TESTS := $(wildcard tests/unit/test_*.c tests/verify/test_*.c tests/extreme/test
 TBIN := $(TESTS:%.c=$(BUILD)/%)
 BENCH := $(patsubst %.c,$(BUILD)/%,$(wildcard tests/bench/*.c))
 
-.PHONY: all lib demo check bench asan valgrind format tidy install uninstall clean packages tests-only
+# Fuzz targets: with libFuzzer's loop where clang has it, with that of tests/fuzz/standalone.c otherwise.
+LIBFUZZER ?= 0
+FUZZ := $(patsubst %.c,$(BUILD)/%,$(wildcard tests/fuzz/fuzz_*.c))
+FUZZ_LOOP := $(if $(filter 0,$(LIBFUZZER)),$(BUILD)/tests/fuzz/standalone.c.o)
+FUZZ_OBJ := $(BUILD)/tests/fuzz/fuzz.c.o $(FUZZ_LOOP) $(filter-out %/main.c.o,$(DOBJ))
+
+.PHONY: all lib demo check bench asan valgrind format tidy install uninstall clean packages tests-only fuzz fuzz-build fuzz-targets
 .DEFAULT_GOAL := all
 .PRECIOUS: $(BUILD)/%.c.o $(BUILD)/%.cpp.o
 all: $(BUILD)/granhom
@@ -83,6 +91,9 @@ $(BUILD)/granhom: $(DOBJ) $(LIB)
 	@$(CC) $(LDFLAGS) $(DOBJ) $(LIB) $(LDLIBS) -o $@
 $(BUILD)/tests/bench/%: $(BUILD)/tests/bench/%.c.o $(LIB)
 	@$(CC) $(LDFLAGS) $< $(LIB) $(LDLIBS) -o $@
+$(BUILD)/tests/fuzz/fuzz_%: $(BUILD)/tests/fuzz/fuzz_%.c.o $(FUZZ_OBJ) $(LIB)
+	@echo "  LD   $@"
+	@$(CC) $(LDFLAGS) $(if $(FUZZ_LOOP),,-fsanitize=fuzzer) $^ $(LDLIBS) -o $@
 $(BUILD)/tests/%: $(BUILD)/tests/%.c.o $(LIB)
 	@echo "  LD   $@"
 	@$(CC) $(LDFLAGS) $< $(LIB) $(LDLIBS) -lcmocka -o $@
@@ -102,13 +113,29 @@ check:
 	@scripts/install-packages.sh check
 	@$(MAKE) --no-print-directory -j$$(nproc) all lib tests-only
 	@BUILD=$(BUILD) tests/run.sh
-tests-only: $(TBIN)
+tests-only: $(TBIN) fuzz-targets
+fuzz-targets: $(FUZZ)
 bench: packages
 	@$(MAKE) --no-print-directory -j$$(nproc) all $(BENCH)
 	@tests/bench/run.sh $(BUILD)
 asan:
 	@$(MAKE) --no-print-directory -j$$(nproc) BUILD=$(BUILD)-asan SAN="-fsanitize=address,undefined -fno-sanitize-recover=undefined" OPT=-O1 all tests-only
 	@BUILD=$(BUILD)-asan SANITIZED=1 tests/run.sh
+# clang's libFuzzer, or gcc's sanitizers and a loop of our own; warnings are gcc's matter in the other builds.
+FUZZ_SECONDS ?= 3600
+FUZZ_JOBS ?= 2
+FUZZ_SEED ?= 1
+FUZZ_ONLY ?=
+HAS_LIBFUZZER = $(shell scripts/has-libfuzzer.sh && echo 1 || echo 0)
+fuzz-build:
+	@$(MAKE) --no-print-directory -j$$(nproc) BUILD=$(BUILD)-fuzz OPT=-O1 WARN=-w LIBFUZZER=$(HAS_LIBFUZZER) \
+	  $(if $(filter 1,$(HAS_LIBFUZZER)),CC="$(FUZZ_CACHE) clang" CXX="$(FUZZ_CACHE) clang++" SAN="-fsanitize=address$(comma)undefined$(comma)fuzzer-no-link -fno-sanitize=vptr$(comma)function -fno-sanitize-recover=undefined",\
+	  SAN="-fsanitize=address$(comma)undefined -fno-sanitize-recover=undefined") all fuzz-targets
+comma := ,
+fuzz:
+	@scripts/install-packages.sh fuzz
+	@$(MAKE) --no-print-directory fuzz-build
+	@python3 tests/fuzz/run.py --build $(BUILD)-fuzz --seconds $(FUZZ_SECONDS) --jobs $(FUZZ_JOBS) --seed $(FUZZ_SEED) $(FUZZ_ONLY)
 valgrind:
 	@$(MAKE) --no-print-directory -j$$(nproc) BUILD=$(BUILD)-valgrind ARCH=-march=x86-64-v2 OPT=-O1 all tests-only
 	@BUILD=$(BUILD)-valgrind tests/valgrind.sh
@@ -155,6 +182,6 @@ uninstall:
 	rm -f $(patsubst include/%,$(DESTDIR)$(incdir)/%,$(wildcard include/granhom/*.h))
 	-rmdir $(DESTDIR)$(incdir)/granhom
 clean:
-	rm -rf $(BUILD) $(BUILD)-asan $(BUILD)-valgrind
+	rm -rf $(BUILD) $(BUILD)-asan $(BUILD)-valgrind $(BUILD)-fuzz
 
--include $(OBJ:.o=.d) $(DOBJ:.o=.d) $(TBIN:%=%.c.d)
+-include $(OBJ:.o=.d) $(DOBJ:.o=.d) $(TBIN:%=%.c.d) $(FUZZ:%=%.c.d)

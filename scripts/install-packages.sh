@@ -1,15 +1,17 @@
 #!/bin/sh
 # Installs the Debian packages that granhom needs and that are missing; with `check`, those of the tests too; with
-# `crosscheck`, LIGGGHTS, which granhom can do without. Asks for root only when something is missing.
+# `crosscheck`, LIGGGHTS, and with `fuzz`, clang with libFuzzer, which granhom can do without. Asks for root only when something is missing.
 # SPDX-License-Identifier: GPL-2.0-or-later
 set -eu
 build="gcc g++ make pkg-config lammps liblammps-dev libsuitesparse-dev libopenmpi-dev openmpi-bin libhdf5-openmpi-dev libyaml-dev libcjson-dev libcairo2-dev gnuplot-nox"
 [ "${HDF5:-1}" = 0 ] && build=$(echo "$build" | sed 's/ libhdf5-openmpi-dev//')
 [ "${MPI:-1}" = 0 ] && build=$(echo "$build" | sed 's/ openmpi-bin//') # LAMMPS's headers want mpi.h even so
 check="libcmocka-dev python3-minimal python3-meshio python3-vtk9 python3-h5py valgrind"
+fuzz="python3 clang-14 clang libclang-rt-14-dev"
 wanted=$build
 [ "${1:-}" = check ] && wanted="$build $check"
 [ "${1:-}" = crosscheck ] && wanted="$build liggghts"
+[ "${1:-}" = fuzz ] && wanted="$build $fuzz"
 missing=
 for p in $wanted; do
   dpkg-query -W -f='${Status}' "$p" 2>/dev/null | grep -q 'ok installed' || missing="$missing $p"

@@ -59,12 +59,21 @@ void gh_set_progress(gh_context *ctx, gh_progress_sink *sink, void *data) {
   ctx->progress_data = data;
 }
 
+/* A message is one line, whatever names and words of a file it quotes: no control character reaches a
+ * terminal or a record. */
+static void message_clean(char *text) {
+  for (char *c = text; *c; c++)
+    if (*c == '\n' || *c == '\r' || *c == '\t') *c = ' ';
+    else if ((unsigned char)*c < ' ' || *c == 0x7F) *c = '?';
+}
+
 gh_status gh_fail(gh_context *ctx, gh_status s, const char *format, ...) {
   char text[MESSAGE_SIZE]; /* the arguments may point into the stored message */
   va_list args;
   va_start(args, format);
   vsnprintf(text, sizeof text, format, args);
   va_end(args);
+  message_clean(text);
   if (ctx) memcpy(ctx->message, text, sizeof text);
   return s;
 }
@@ -77,6 +86,7 @@ gh_status gh_prefix(gh_context *ctx, gh_status s, const char *format, ...) {
   int n = vsnprintf(text, sizeof text, format, args);
   va_end(args);
   if (n >= 0 && n < MESSAGE_SIZE) snprintf(text + n, sizeof text - (size_t)n, "%s", ctx->message);
+  message_clean(text);
   memcpy(ctx->message, text, sizeof text);
   return s;
 }
@@ -88,6 +98,7 @@ void gh_log(gh_context *ctx, gh_level level, const char *format, ...) {
   va_start(args, format);
   vsnprintf(line, sizeof line, format, args);
   va_end(args);
+  message_clean(line);
   ctx->log(ctx->log_data, level, line);
 }
 

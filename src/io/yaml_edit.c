@@ -130,9 +130,33 @@ static gh_status set_value(gh_yaml *doc, const char *key, char *way, gh_yaml_nod
   }
 }
 
+/* Bytes of the character at c in UTF-8; 0: none, or a control character. */
+static int character_length(const unsigned char *c) {
+  int n = *c < 0x80                 ? 1
+          : *c >= 0xC2 && *c < 0xE0 ? 2
+          : *c >= 0xE0 && *c < 0xF0 ? 3
+          : *c >= 0xF0 && *c < 0xF5 ? 4
+                                    : 0;
+  for (int k = 1; k < n; k++)
+    if ((c[k] & 0xC0) != 0x80) return 0;
+  bool overlong = (*c == 0xE0 && c[1] < 0xA0) || (*c == 0xF0 && c[1] < 0x90);
+  bool beyond = (*c == 0xED && c[1] >= 0xA0) || (*c == 0xF4 && c[1] >= 0x90); /* surrogates, above 0x10FFFF */
+  return *c < ' ' || *c == 0x7F || overlong || beyond ? 0 : n;
+}
+
+static bool is_text(const char *text) {
+  const unsigned char *c = (const unsigned char *)text;
+  for (int n; *c; c += n)
+    if ((n = character_length(c)) == 0) return false;
+  return true;
+}
+
 gh_status gh_yaml_set(gh_yaml *doc, const char *key, const char *value) {
   char name[GH_QUOTE], shown[GH_QUOTE];
   gh_yaml *new = NULL;
+  if (!is_text(key))
+    return gh_fail(doc->ctx, GH_INPUT, "%s: '%s' is no key: it holds what is no character of a text",
+                   doc->path, gh_quote(key, name));
   if (!*value)
     return gh_fail(doc->ctx, GH_INPUT, "%s: '%s': the value is empty", doc->path, gh_quote(key, name));
   gh_status status = gh_yaml_parse(doc->ctx, "value", value, &new);
@@ -149,11 +173,35 @@ gh_status gh_yaml_set(gh_yaml *doc, const char *key, const char *value) {
 
 /* ---- printing ---- */
 
-/* Plain texts of a block may hold what ends a value in flow style. */
+static bool is_blank_or_end(char c) {
+  return c == ' ' || c == '\t' || c == 0;
+}
+
+/* Line breaks beyond ASCII, which YAML takes as such in any text: how they are written; NULL: there is none.
+ */
+static const char *wide_break(const char *c) {
+  if (strncmp(c, "\xC2\x85", 2) == 0) return "\\N";
+  if (strncmp(c, "\xE2\x80\xA8", 3) == 0) return "\\L";
+  if (strncmp(c, "\xE2\x80\xA9", 3) == 0) return "\\P";
+  return strncmp(c, "\xEF\xBB\xBF", 3) == 0 ? "\\uFEFF" : NULL;
+}
+
+/* Plain texts of a block, and keys that were set, may hold what ends a value in flow style or begins
+ * something else there. */
 static bool plain_in_flow(const yaml_node_t *n) {
   const char *text = (const char *)n->data.scalar.value;
-  return n->data.scalar.style == YAML_PLAIN_SCALAR_STYLE && !strpbrk(text, ",[]{}\"'\n") &&
-         !strstr(text, ": ") && !strstr(text, " #");
+  size_t length = strlen(text);
+  if (n->data.scalar.style != YAML_PLAIN_SCALAR_STYLE || length != n->data.scalar.length) return false;
+  if (length == 0) return true;
+  if (is_blank_or_end(text[0]) || is_blank_or_end(text[length - 1]) || strchr("#&*!|>%@`?:", text[0]))
+    return false;
+  if (text[0] == '-' && is_blank_or_end(text[1])) return false;
+  for (const char *c = text; *c; c++) {
+    if (strchr(",[]{}\"'", *c) || (unsigned char)*c < ' ' || *c == 0x7F || wide_break(c)) return false;
+    if (*c == ':' && (is_blank_or_end(c[1]) || c[1] == '?')) return false;
+    if (*c == ' ' && c[1] == '#') return false;
+  }
+  return true;
 }
 
 static void print_scalar(const yaml_node_t *n, gh_text *out) {
@@ -162,10 +210,13 @@ static void print_scalar(const yaml_node_t *n, gh_text *out) {
     return;
   }
   gh_text_print(out, "\"");
-  for (const unsigned char *c = n->data.scalar.value; *c; c++)
-    if (*c == '"' || *c == '\\') gh_text_print(out, "\\%c", *c);
+  for (const unsigned char *c = n->data.scalar.value; *c; c++) {
+    const char *wide = wide_break((const char *)c);
+    if (wide) gh_text_print(out, "%s", wide), c += wide[1] == 'N' ? 1 : 2;
+    else if (*c == '"' || *c == '\\') gh_text_print(out, "\\%c", *c);
     else if (*c < ' ' || *c == 0x7F) gh_text_print(out, "\\x%02X", *c);
     else gh_text_print(out, "%c", *c);
+  }
   gh_text_print(out, "\"");
 }
 
@@ -178,15 +229,18 @@ void gh_yaml_print(gh_yaml_node node, gh_text *out) {
   } else if (gh_yaml_is_list(node)) {
     for (int k = 0; k < length; k++) {
       gh_text_print(out, k ? ", " : "[");
-      gh_yaml_print(gh_yaml_item(node, k), out);
+      if (is_blank(gh_yaml_item(node, k))) gh_text_print(out, "~"); /* nothing would be no entry */
+      else gh_yaml_print(gh_yaml_item(node, k), out);
     }
     gh_text_print(out, length ? "]" : "[]");
   } else {
     for (int k = 0; k < length; k++) {
       gh_yaml_node value;
       gh_yaml_key(node, k, &value);
+      gh_yaml_node key = {.doc = node.doc, .node = n->data.mapping.pairs.start[k].key};
       gh_text_print(out, k ? ", " : "{");
-      gh_yaml_print((gh_yaml_node){.doc = node.doc, .node = n->data.mapping.pairs.start[k].key}, out);
+      if (is_blank(key)) gh_text_print(out, "\"\"");
+      else gh_yaml_print(key, out);
       gh_text_print(out, ": ");
       gh_yaml_print(value, out);
     }

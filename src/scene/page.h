@@ -103,7 +103,7 @@ typedef struct scene_rve {
   int *flags, *pairs, *sliding; /* sliding: ncontacts, NULL without friction */
   double cell[4], low[2], cauchy[4];
 } scene_rve;
-gh_status scene_rve_recorded(gh_h5 *file, int point, bool *recorded);
+bool scene_rve_recorded(gh_h5 *file, int point);
 /* GH_INPUT: missing or damaged. To be freed also then. */
 gh_status scene_rve_read(gh_context *ctx, gh_h5 *file, int point, scene_rve *rve);
 void scene_rve_free(scene_rve *rve);
@@ -113,7 +113,7 @@ void scene_rve_home(const scene_rve *rve, const double *x, double shift[2]);
 /* ---- HDF5 ---- */
 
 gh_status scene_open_h5(gh_context *ctx, const char *folder, const char *name, gh_h5 **file);
-/* A dataset of any number of rows; the caller frees. */
+/* A dataset of any number of rows; the caller frees. *data is NULL after a failure. */
 gh_status scene_get_doubles(gh_context *ctx, gh_h5 *file, const char *name, size_t *rows, size_t cols,
                             double **data);
 gh_status scene_get_ints(gh_context *ctx, gh_h5 *file, const char *name, size_t *rows, size_t cols,

@@ -14,15 +14,13 @@ typedef struct mesh_data {
 } mesh_data;
 
 /* Number of the last increment in results.h5. */
-static gh_status last_step(gh_h5 *file, int *last) {
+static int last_step(gh_h5 *file) {
   char name[64];
-  bool there = true;
-  for (int k = 0; there; k++) {
+  size_t rows, cols;
+  for (int k = 0;; k++) {
     snprintf(name, sizeof name, "/step%04d/displacement", k);
-    GH_TRY(gh_h5_there(file, name, &there));
-    *last = k - 1;
+    if (gh_h5_size(file, name, &rows, &cols) != GH_OK) return k - 1;
   }
-  return GH_OK;
 }
 
 static void mesh_data_free(mesh_data *d) {
@@ -39,7 +37,7 @@ static gh_status mesh_data_read(gh_context *ctx, const char *folder, mesh_data *
   gh_status status;
   *d = (mesh_data){0};
   GH_TRY(scene_open_h5(ctx, folder, "results.h5", &file));
-  GH_TRY_OR(last_step(file, &d->last), done);
+  d->last = last_step(file);
   if (d->last < 0) {
     status = gh_fail(ctx, GH_INPUT, "%s/results.h5 holds no increment", folder);
     goto done;

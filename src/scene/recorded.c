@@ -111,14 +111,24 @@ static gh_status count_rows(gh_context *ctx, gh_h5 *file, const char *name, size
 
 gh_status scene_get_doubles(gh_context *ctx, gh_h5 *file, const char *name, size_t *rows, size_t cols,
                             double **data) {
+  *data = NULL;
   GH_TRY(count_rows(ctx, file, name, cols, rows));
   GH_TRY(gh_alloc(ctx, *rows * cols, sizeof **data, data));
-  return gh_h5_get_doubles(file, name, *rows, cols, *data);
+  gh_status status = gh_h5_get_doubles(file, name, *rows, cols, *data);
+  if (status == GH_OK) return GH_OK;
+  free(*data);
+  *data = NULL;
+  return status;
 }
 
 gh_status scene_get_ints(gh_context *ctx, gh_h5 *file, const char *name, size_t *rows, size_t cols,
                          int **data) {
+  *data = NULL;
   GH_TRY(count_rows(ctx, file, name, cols, rows));
   GH_TRY(gh_alloc(ctx, *rows * cols, sizeof **data, data));
-  return gh_h5_get_ints(file, name, *rows, cols, *data);
+  gh_status status = gh_h5_get_ints(file, name, *rows, cols, *data);
+  if (status == GH_OK) return GH_OK;
+  free(*data);
+  *data = NULL;
+  return status;
 }

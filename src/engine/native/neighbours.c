@@ -180,9 +180,10 @@ gh_status gh_neighbours_find(gh_context *ctx, gh_neighbours *nb, int n, const do
   for (int i = 0; i < n; i++) {
     size_t first = nb->npairs, own = nb->nown;
     GH_TRY(neighbours_of(ctx, nb, &g, x, radius, skin, i));
-    if (nb->with_images) sort_by_image(nb->pairs + first, nb->image + 2 * first, nb->npairs - first);
-    else sort_pairs(nb->pairs + first, nb->npairs - first);
-    sort_pairs(nb->own + own, nb->nown - own);
+    size_t found = nb->npairs - first; /* 0: there may be no array yet */
+    if (found && nb->with_images) sort_by_image(nb->pairs + first, nb->image + 2 * first, found);
+    else if (found) sort_pairs(nb->pairs + first, found);
+    if (nb->nown > own) sort_pairs(nb->own + own, nb->nown - own);
   }
   return GH_OK;
 }

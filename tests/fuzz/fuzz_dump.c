@@ -1,0 +1,12 @@
+/* Dumps that a restart finds: where their whole frames end. SPDX-License-Identifier: GPL-2.0-or-later */
+#include "fuzz.h"
+#include "scene/dumps.c" /* the reader is not visible outside it */
+
+int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
+  const char *file = fuzz_file("packings", "dump", data, size);
+  for (int counter = 0; counter < 4; counter++) {
+    off_t end = find_end(file, counter);
+    fuzz_require(end >= 0 && end <= (off_t)size, "an end outside the file");
+  }
+  return 0;
+}

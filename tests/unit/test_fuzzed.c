@@ -1,0 +1,82 @@
+/* What fuzzing has found, each as a test. SPDX-License-Identifier: GPL-2.0-or-later */
+#include "test_io.h"
+
+static gh_yaml *parsed(place *p, const char *text) {
+  gh_yaml *doc;
+  if (gh_yaml_parse(p->ctx, "a.yaml", text, &doc) != GH_OK) fail_msg("%s", gh_message(p->ctx));
+  return doc;
+}
+
+static void assert_printed(place *p, const gh_yaml *doc, const char *wanted) {
+  gh_text *out;
+  assert_int_equal(gh_text_create(p->ctx, &out), GH_OK);
+  gh_yaml_print(gh_yaml_root(doc), out);
+  assert_string_equal(gh_text_get(out, NULL), wanted);
+  gh_text_destroy(&out);
+}
+
+/* Messages are one line, whatever they quote. */
+static void a_message_has_no_control_characters(void **state) {
+  place *p = *state;
+  gh_fail(p->ctx, GH_INPUT,
+          "a.msh:%d: $No\x01"
+          "d\x7F has no\n$End\r\t\x1B[31m",
+          4);
+  assert_string_equal(gh_message(p->ctx), "a.msh:4: $No?d? has no $End  ?[31m");
+  gh_prefix(p->ctx, GH_INPUT, "b\nc: ");
+  assert_string_equal(gh_message(p->ctx), "b c: a.msh:4: $No?d? has no $End  ?[31m");
+  gh_fail(p->ctx, GH_INPUT, "Größe");
+  assert_string_equal(gh_message(p->ctx), "Größe");
+}
+
+/* Values that flow style would take for something else are printed in quotes; what was plain stays so. */
+static void a_printed_document_is_the_same(void **state) {
+  place *p = *state;
+  const struct {
+    const char *text, *printed;
+  } docs[] = {{"a: [1e-8, -1, x:y, Größe, p?.data, a b]", "{a: [1e-8, -1, x:y, Größe, p?.data, a b]}"},
+              {"a:\n- \n- b\n", "{a: [~, b]}"},
+              {"\"\": 1\n", "{\"\": 1}"},
+              {"? \n: 1\n", "{\"\": 1}"},
+              {"a: \"x\\Ny\\Lz\\P\"\n", "{a: \"x\\Ny\\Lz\\P\"}"},
+              {"a: ' b'\n", "{a: \" b\"}"},
+              {"a: b\n", "{a: b}"}};
+  for (size_t k = 0; k < sizeof docs / sizeof *docs; k++) {
+    gh_yaml *doc = parsed(p, docs[k].text), *again;
+    assert_printed(p, doc, docs[k].printed);
+    again = parsed(p, docs[k].printed);
+    assert_printed(p, again, docs[k].printed);
+    gh_yaml_destroy(&again);
+    gh_yaml_destroy(&doc);
+  }
+}
+
+/* Keys that are set are printed so that they can be read, or refused when they are no text. */
+static void odd_keys_are_set_or_refused(void **state) {
+  place *p = *state;
+  const char *const keys[] = {"%%", "  b", "- b", "b: c", "@b", "b:", "&b", "!b"},
+                    *const none[] = {"b\xB0", "b\xC0\x80",    "b\x01",
+                                     "b\n",   "\xED\xA0\x80", "\xF4\x90\x80\x80"};
+  for (size_t k = 0; k < sizeof keys / sizeof *keys; k++) {
+    char wanted[64];
+    gh_yaml *doc = parsed(p, "a: 1\n");
+    assert_int_equal(gh_yaml_set(doc, keys[k], "2"), GH_OK);
+    snprintf(wanted, sizeof wanted, "{a: 1, \"%s\": 2}", keys[k]);
+    assert_printed(p, doc, wanted);
+    gh_yaml_destroy(&doc);
+  }
+  for (size_t k = 0; k < sizeof none / sizeof *none; k++) {
+    gh_yaml *doc = parsed(p, "a: 1\n");
+    assert_int_equal(gh_yaml_set(doc, none[k], "2"), GH_INPUT);
+    assert_non_null(strstr(gh_message(p->ctx), "is no key"));
+    assert_printed(p, doc, "{a: 1}");
+    gh_yaml_destroy(&doc);
+  }
+}
+
+int main(void) {
+#define TEST(f) cmocka_unit_test_setup_teardown(f, begin, end)
+  const struct CMUnitTest tests[] = {TEST(a_message_has_no_control_characters),
+                                     TEST(a_printed_document_is_the_same), TEST(odd_keys_are_set_or_refused)};
+  return cmocka_run_group_tests(tests, NULL, NULL);
+}
