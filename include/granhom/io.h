@@ -164,6 +164,8 @@ gh_status gh_h5_put_ints(gh_h5 *file, const char *name, size_t rows, size_t cols
 gh_status gh_h5_put_text(gh_h5 *file, const char *name, const char *text);
 /* Removes a dataset or a group with all that is in it; *there: it was there. */
 gh_status gh_h5_remove(gh_h5 *file, const char *name, bool *there);
+/* Whether there is a dataset or a group of this name. GH_MEMORY, GH_SYSTEM: that cannot be found out. */
+gh_status gh_h5_there(gh_h5 *file, const char *name, bool *there);
 /* Rows and columns of a dataset (cols 1 for a vector); GH_INPUT when it is missing. */
 gh_status gh_h5_size(gh_h5 *file, const char *name, size_t *rows, size_t *cols);
 gh_status gh_h5_get_doubles(gh_h5 *file, const char *name, size_t rows, size_t cols, double *data);

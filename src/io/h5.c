@@ -11,9 +11,8 @@
 #include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
-enum { MEMORY_STEP = 1 << 20, REASON = 512 };
+enum { MEMORY_STEP = 1 << 20, RESERVE = 1 << 20, REASON = 512 };
 
 struct gh_h5 {
   gh_context *ctx;
@@ -21,6 +20,7 @@ struct gh_h5 {
   char kind[40];
   hid_t id;
   bool writing;
+  bool foreign; /* without a checksum: damage may look like anything */
 };
 
 /* ---- HDF5's errors ---- */
@@ -32,6 +32,8 @@ typedef struct {
 
 static printing printing_off(void) {
   printing p = {0};
+  H5dont_atexit(); /* what a failure has left open would crash the program at its end; nothing is to be saved
+                    */
   H5Eget_auto2(H5E_DEFAULT, &p.function, &p.data);
   H5Eset_auto2(H5E_DEFAULT, NULL, NULL);
   return p;
@@ -41,19 +43,42 @@ static void printing_on(printing p) {
   H5Eset_auto2(H5E_DEFAULT, p.function, p.data);
 }
 
-static herr_t take_innermost(unsigned n, const H5E_error2_t *error, void *data) {
-  if (n == 0 && error->desc) snprintf(data, REASON, "%s", error->desc);
+typedef struct reason {
+  char text[REASON];
+  gh_status status; /* GH_OK: the error's number does not say whose fault it is */
+} reason;
+
+static herr_t reason_add(unsigned n, const H5E_error2_t *error, void *data) {
+  reason *r = data;
+  if (n == 0 && error->desc)
+    snprintf(r->text, sizeof r->text, "%.*s", (int)strcspn(error->desc, "\n"), error->desc);
+  if (error->maj_num == H5E_RESOURCE || error->min_num == H5E_NOSPACE || error->min_num == H5E_CANTALLOC)
+    r->status = GH_MEMORY;
+  else if (r->status == GH_OK && (error->maj_num == H5E_IO || error->min_num == H5E_READERROR ||
+                                  error->min_num == H5E_WRITEERROR || error->min_num == H5E_BADFILE))
+    r->status = GH_SYSTEM;
   return 0;
 }
 
-/* Fails with the innermost message of HDF5's error stack, so call it before any other function of HDF5. */
+/* Fails with the innermost message of HDF5's error stack, so call it before any other function of HDF5. s:
+ * where HDF5 does not say that it had no memory or could not read. */
 static gh_status fail(const gh_h5 *f, gh_status s, const char *what, const char *name) {
-  char reason[REASON] = "HDF5 gives no reason";
-  H5Ewalk2(H5E_DEFAULT, H5E_WALK_UPWARD, take_innermost, reason);
-  return gh_fail(f->ctx, s, "%s: cannot %s %s: %s", f->path, what, name, reason);
+  reason r = {.text = "HDF5 gives no reason"};
+  H5Ewalk2(H5E_DEFAULT, H5E_WALK_UPWARD, reason_add, &r);
+  if (f->foreign) s = GH_INPUT;
+  else if (r.status != GH_OK) s = r.status;
+  return gh_fail(f->ctx, s, "%s: cannot %s %s: %s", f->path, what, name, r.text);
 }
 
 /* ---- open and close ---- */
+
+/* HDF5 1.10 does not check each of its own small allocations, and crashes where one fails. So no work of HDF5
+ * begins unless there is room for far more than it takes besides the data. */
+static gh_status room_check(gh_context *ctx, const char *path) {
+  void *room = malloc(RESERVE);
+  free(room);
+  return room ? GH_OK : gh_fail(ctx, GH_MEMORY, "%s: no memory for HDF5", path);
+}
 
 static gh_status file_create(gh_context *ctx, const char *path, const char *kind, bool writing, gh_h5 **out) {
   gh_h5 *f;
@@ -68,9 +93,11 @@ static gh_status file_create(gh_context *ctx, const char *path, const char *kind
  * network file systems refuse locks. */
 static gh_status file_open(gh_h5 *f, hid_t access, bool *sealed) {
   GH_TRY(gh_seal_check(f->ctx, f->path, f->kind, sealed));
-  H5Pset_file_locking(access, false, true);
+  f->foreign = sealed && !*sealed;
+  if (H5Pset_file_locking(access, false, true) < 0) return fail(f, GH_MEMORY, "open", "it");
   f->id = H5Fopen(f->path, f->writing ? H5F_ACC_RDWR : H5F_ACC_RDONLY, access);
-  return f->id < 0 ? fail(f, GH_INPUT, "open", "it as an HDF5 file") : GH_OK;
+  if (f->id >= 0) return GH_OK;
+  return fail(f, GH_SYSTEM, "open", "it as an HDF5 file"); /* each byte of it was in order */
 }
 
 /* A new file, with room for the seal. */
@@ -84,7 +111,8 @@ static gh_status file_make(gh_h5 *f, hid_t access) {
 }
 
 static gh_status open_for_change(gh_h5 *f, bool append) {
-  bool there = append && access(f->path, F_OK) == 0;
+  bool there = false;
+  if (append) GH_TRY(gh_file_there(f->ctx, f->path, &there));
   hid_t how = H5Pcreate(H5P_FILE_ACCESS);
   gh_status s = GH_OK;
   if (how < 0 || H5Pset_fapl_core(how, MEMORY_STEP, false) < 0)
@@ -107,6 +135,7 @@ bool gh_h5_available(void) {
 
 gh_status gh_h5_open(gh_context *ctx, const char *path, const char *kind, bool append, gh_h5 **file) {
   *file = NULL;
+  GH_TRY(room_check(ctx, path));
   printing p = printing_off();
   gh_status s = file_create(ctx, path, kind, true, file);
   if (s == GH_OK) s = open_for_change(*file, append);
@@ -117,6 +146,7 @@ gh_status gh_h5_open(gh_context *ctx, const char *path, const char *kind, bool a
 
 gh_status gh_h5_read(gh_context *ctx, const char *path, const char *kind, bool *sealed, gh_h5 **file) {
   *file = NULL;
+  GH_TRY(room_check(ctx, path));
   printing p = printing_off();
   gh_status s = file_create(ctx, path, kind, false, file);
   if (s == GH_OK) s = open_to_read(*file, sealed);
@@ -157,6 +187,34 @@ gh_status gh_h5_commit(gh_h5 **file) {
   return s;
 }
 
+/* ---- names ---- */
+
+/* Asks group by group: HDF5 takes a missing group on the way for an error. */
+static gh_status name_find(const gh_h5 *f, const char *name, bool *there) {
+  char part[256];
+  size_t length = strlen(name);
+  *there = false;
+  GH_TRY(room_check(f->ctx, f->path));
+  if (length >= sizeof part)
+    return gh_fail(f->ctx, GH_INTERNAL, "%s: the name %s is too long", f->path, name);
+  for (size_t k = 1; k <= length; k++) {
+    if (name[k] && name[k] != '/') continue;
+    snprintf(part, sizeof part, "%.*s", (int)k, name);
+    htri_t found = H5Lexists(f->id, part, H5P_DEFAULT);
+    if (found < 0) return fail(f, GH_MEMORY, "look for", name);
+    if (found == 0) return GH_OK;
+  }
+  *there = true;
+  return GH_OK;
+}
+
+gh_status gh_h5_there(gh_h5 *f, const char *name, bool *there) {
+  printing p = printing_off();
+  gh_status s = name_find(f, name, there);
+  printing_on(p);
+  return s;
+}
+
 /* ---- writing ---- */
 
 /* Number of bytes of an array; false when no memory could hold it. */
@@ -168,20 +226,26 @@ static bool array_bytes(size_t rows, size_t cols, size_t size, size_t *bytes) {
 
 /* A dataset of this name makes room. */
 static gh_status drop(const gh_h5 *f, const char *name) {
+  bool there;
+  GH_TRY(name_find(f, name, &there));
+  if (!there) return GH_OK;
   hid_t old = H5Dopen2(f->id, name, H5P_DEFAULT);
-  if (old < 0) return GH_OK;
+  if (old < 0) return fail(f, GH_INTERNAL, "replace", name); /* a group */
   H5Dclose(old);
-  return H5Ldelete(f->id, name, H5P_DEFAULT) < 0 ? fail(f, GH_INTERNAL, "replace", name) : GH_OK;
+  if (H5Ldelete(f->id, name, H5P_DEFAULT) >= 0) return GH_OK;
+  return fail(f, GH_MEMORY, "replace", name);
 }
 
 static gh_status write_dataset(const gh_h5 *f, const char *name, hid_t type, hid_t space, const void *data) {
   GH_TRY(drop(f, name));
   hid_t link = H5Pcreate(H5P_LINK_CREATE), creation = H5Pcreate(H5P_DATASET_CREATE), set = H5I_INVALID_HID;
   gh_status s = GH_OK;
-  H5Pset_create_intermediate_group(link, 1);
-  H5Pset_obj_track_times(creation, false); /* the same results are the same file */
-  if ((set = H5Dcreate2(f->id, name, type, space, link, creation, H5P_DEFAULT)) < 0) {
-    s = fail(f, GH_INTERNAL, "make", name);
+  /* without times the same results are the same file */
+  if (link < 0 || creation < 0 || H5Pset_create_intermediate_group(link, 1) < 0 ||
+      H5Pset_obj_track_times(creation, false) < 0) {
+    s = fail(f, GH_MEMORY, "make", name);
+  } else if ((set = H5Dcreate2(f->id, name, type, space, link, creation, H5P_DEFAULT)) < 0) {
+    s = fail(f, GH_MEMORY, "make", name);
   } else if (data && H5Dwrite(set, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, data) < 0) {
     s = fail(f, GH_MEMORY, "write", name);
   }
@@ -191,17 +255,17 @@ static gh_status write_dataset(const gh_h5 *f, const char *name, hid_t type, hid
   return s;
 }
 
-static gh_status put(const gh_h5 *f, const char *name, hid_t type, size_t rows, size_t cols,
-                     const void *data) {
+static gh_status put(const gh_h5 *f, const char *name, hid_t type, size_t size_of_one, size_t rows,
+                     size_t cols, const void *data) {
   const hsize_t size[2] = {rows, cols};
   size_t bytes;
   if (!f->writing)
     return gh_fail(f->ctx, GH_INTERNAL, "%s: %s was to be written, but the file is open for reading", f->path,
                    name);
-  if (!array_bytes(rows, cols, H5Tget_size(type), &bytes))
+  if (!array_bytes(rows, cols, size_of_one, &bytes))
     return gh_fail(f->ctx, GH_INTERNAL, "%s: %s: %zu x %zu values are no array", f->path, name, rows, cols);
   hid_t space = H5Screate_simple(cols == 1 ? 1 : 2, size, NULL);
-  if (space < 0) return fail(f, GH_INTERNAL, "make", name);
+  if (space < 0) return fail(f, GH_MEMORY, "make", name);
   gh_status s = write_dataset(f, name, type, space, bytes ? data : NULL);
   H5Sclose(space);
   return s;
@@ -209,14 +273,14 @@ static gh_status put(const gh_h5 *f, const char *name, hid_t type, size_t rows, 
 
 gh_status gh_h5_put_doubles(gh_h5 *f, const char *name, size_t rows, size_t cols, const double *data) {
   printing p = printing_off();
-  gh_status s = put(f, name, H5T_NATIVE_DOUBLE, rows, cols, data);
+  gh_status s = put(f, name, H5T_NATIVE_DOUBLE, sizeof *data, rows, cols, data);
   printing_on(p);
   return s;
 }
 
 gh_status gh_h5_put_ints(gh_h5 *f, const char *name, size_t rows, size_t cols, const int *data) {
   printing p = printing_off();
-  gh_status s = put(f, name, H5T_NATIVE_INT, rows, cols, data);
+  gh_status s = put(f, name, H5T_NATIVE_INT, sizeof *data, rows, cols, data);
   printing_on(p);
   return s;
 }
@@ -245,9 +309,9 @@ gh_status gh_h5_put_text(gh_h5 *f, const char *name, const char *text) {
 
 gh_status gh_h5_remove(gh_h5 *f, const char *name, bool *there) {
   printing p = printing_off();
-  gh_status s = GH_OK;
-  *there = f->writing && H5Lexists(f->id, name, H5P_DEFAULT) > 0;
-  if (*there && H5Ldelete(f->id, name, H5P_DEFAULT) < 0) s = fail(f, GH_INTERNAL, "remove", name);
+  gh_status s = name_find(f, name, there);
+  *there = *there && f->writing;
+  if (s == GH_OK && *there && H5Ldelete(f->id, name, H5P_DEFAULT) < 0) s = fail(f, GH_MEMORY, "remove", name);
   printing_on(p);
   return s;
 }
@@ -258,9 +322,12 @@ static gh_status get_size(const gh_h5 *f, const char *name, hid_t set, size_t *r
   hsize_t size[2] = {1, 1};
   hid_t space = H5Dget_space(set);
   int rank = space < 0 ? -1 : H5Sget_simple_extent_ndims(space);
-  if (rank >= 0 && rank <= 2) H5Sget_simple_extent_dims(space, size, NULL);
+  gh_status s = rank < 0 ? fail(f, GH_MEMORY, "read", name) : GH_OK;
+  if (rank >= 0 && rank <= 2 && H5Sget_simple_extent_dims(space, size, NULL) < 0)
+    s = fail(f, GH_MEMORY, "read", name);
   if (space >= 0) H5Sclose(space);
-  if (rank < 0 || rank > 2)
+  GH_TRY(s);
+  if (rank > 2)
     return gh_fail(f->ctx, GH_INPUT, "%s: %s has %d dimensions, at most 2 are read", f->path, name, rank);
   *rows = (size_t)size[0];
   *cols = (size_t)size[1];
@@ -270,20 +337,29 @@ static gh_status get_size(const gh_h5 *f, const char *name, hid_t set, size_t *r
 /* Integers that fit an int, or numbers that fit a double: nothing is cut silently. */
 static gh_status check_type(const gh_h5 *f, const char *name, hid_t set, bool integers) {
   hid_t type = H5Dget_type(set);
-  H5T_class_t class = type < 0 ? H5T_NO_CLASS : H5Tget_class(type);
-  size_t size = type < 0 ? 0 : H5Tget_size(type);
+  if (type < 0) return fail(f, GH_MEMORY, "read", name);
+  H5T_class_t class = H5Tget_class(type);
+  size_t size = H5Tget_size(type);
   bool fits =
       class == H5T_INTEGER && (size < sizeof(int) || (size == sizeof(int) && H5Tget_sign(type) == H5T_SGN_2));
   if (!integers) fits = fits || (class == H5T_FLOAT && size <= sizeof(double));
-  if (type >= 0) H5Tclose(type);
+  H5Tclose(type);
   if (fits) return GH_OK;
   return gh_fail(f->ctx, GH_INPUT, "%s: %s does not hold %s", f->path, name,
                  integers ? "integers" : "numbers");
 }
 
 static gh_status open_dataset(const gh_h5 *f, const char *name, hid_t *set) {
+  bool there;
+  *set = H5I_INVALID_HID;
+  GH_TRY(name_find(f, name, &there));
+  if (!there) {
+    const char *last = strrchr(name, '/');
+    return gh_fail(f->ctx, GH_INPUT, "%s: cannot find %s: object '%s' doesn't exist", f->path, name,
+                   last ? last + 1 : name);
+  }
   *set = H5Dopen2(f->id, name, H5P_DEFAULT);
-  return *set < 0 ? fail(f, GH_INPUT, "find", name) : GH_OK;
+  return *set < 0 ? fail(f, GH_INPUT, "open", name) : GH_OK;
 }
 
 static gh_status get(const gh_h5 *f, const char *name, hid_t type, size_t rows, size_t cols, void *data) {
@@ -334,7 +410,8 @@ static gh_status get_text(const gh_h5 *f, const char *name, size_t size, char *t
   bool plain = type >= 0 && H5Tget_class(type) == H5T_STRING && H5Tis_variable_str(type) == 0 && space >= 0 &&
                H5Sget_simple_extent_npoints(space) == 1;
   gh_status s = GH_OK;
-  if (!plain) s = gh_fail(f->ctx, GH_INPUT, "%s: %s does not hold a text", f->path, name);
+  if (type < 0 || space < 0) s = fail(f, GH_MEMORY, "read", name);
+  else if (!plain) s = gh_fail(f->ctx, GH_INPUT, "%s: %s does not hold a text", f->path, name);
   else if (H5Tget_size(type) > size)
     s = gh_fail(f->ctx, GH_INPUT, "%s: %s is a text of %zu bytes, at most %zu are read", f->path, name,
                 H5Tget_size(type), size);

@@ -103,7 +103,7 @@ typedef struct scene_rve {
   int *flags, *pairs, *sliding; /* sliding: ncontacts, NULL without friction */
   double cell[4], low[2], cauchy[4];
 } scene_rve;
-bool scene_rve_recorded(gh_h5 *file, int point);
+gh_status scene_rve_recorded(gh_h5 *file, int point, bool *recorded);
 /* GH_INPUT: missing or damaged. To be freed also then. */
 gh_status scene_rve_read(gh_context *ctx, gh_h5 *file, int point, scene_rve *rve);
 void scene_rve_free(scene_rve *rve);

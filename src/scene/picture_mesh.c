@@ -14,13 +14,15 @@ typedef struct mesh_data {
 } mesh_data;
 
 /* Number of the last increment in results.h5. */
-static int last_step(gh_h5 *file) {
+static gh_status last_step(gh_h5 *file, int *last) {
   char name[64];
-  size_t rows, cols;
-  for (int k = 0;; k++) {
+  bool there = true;
+  for (int k = 0; there; k++) {
     snprintf(name, sizeof name, "/step%04d/displacement", k);
-    if (gh_h5_size(file, name, &rows, &cols) != GH_OK) return k - 1;
+    GH_TRY(gh_h5_there(file, name, &there));
+    *last = k - 1;
   }
+  return GH_OK;
 }
 
 static void mesh_data_free(mesh_data *d) {
@@ -37,7 +39,7 @@ static gh_status mesh_data_read(gh_context *ctx, const char *folder, mesh_data *
   gh_status status;
   *d = (mesh_data){0};
   GH_TRY(scene_open_h5(ctx, folder, "results.h5", &file));
-  d->last = last_step(file);
+  GH_TRY_OR(last_step(file, &d->last), done);
   if (d->last < 0) {
     status = gh_fail(ctx, GH_INPUT, "%s/results.h5 holds no increment", folder);
     goto done;

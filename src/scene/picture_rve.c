@@ -13,11 +13,11 @@ void scene_rve_free(scene_rve *d) {
   free(d->sliding);
 }
 
-bool scene_rve_recorded(gh_h5 *file, int point) {
+gh_status scene_rve_recorded(gh_h5 *file, int point, bool *recorded) {
   char name[64];
-  size_t rows, cols;
   snprintf(name, sizeof name, "/rve/%04d/cauchy", point);
-  return point >= 0 && gh_h5_size(file, name, &rows, &cols) == GH_OK;
+  *recorded = false;
+  return point < 0 ? GH_OK : gh_h5_there(file, name, recorded);
 }
 
 /* Arrays of equal length, and contacts of grains that are there. */
@@ -32,7 +32,8 @@ static gh_status check_rve(gh_context *ctx, const scene_rve *d, const size_t row
 
 gh_status scene_rve_read(gh_context *ctx, gh_h5 *file, int point, scene_rve *d) {
   char name[64];
-  size_t rows[4], cols;
+  size_t rows[4];
+  bool slides;
   *d = (scene_rve){.point = point};
 #define AT(what) (snprintf(name, sizeof name, "/rve/%04d/%s", point, what), name)
   GH_TRY(scene_get_doubles(ctx, file, AT("positions"), &d->n, 2, &d->x));
@@ -44,34 +45,40 @@ gh_status scene_rve_read(gh_context *ctx, gh_h5 *file, int point, scene_rve *d) 
   GH_TRY(gh_h5_get_doubles(file, AT("low"), 1, 2, d->low));
   GH_TRY(gh_h5_get_doubles(file, AT("cauchy"), 1, 4, d->cauchy));
   GH_TRY(gh_h5_get_ints(file, AT("periodic"), 1, 1, &d->periodic));
-  if (gh_h5_size(file, AT("contact_sliding"), rows + 3, &cols) == GH_OK)
-    GH_TRY(scene_get_ints(ctx, file, name, rows + 3, 1, &d->sliding));
+  GH_TRY(gh_h5_there(file, AT("contact_sliding"), &slides));
+  if (slides) GH_TRY(scene_get_ints(ctx, file, name, rows + 3, 1, &d->sliding));
 #undef AT
   GH_TRY(gh_h5_get_ints(file, "/step", 1, 1, &d->step));
   return check_rve(ctx, d, rows);
 }
 
 /* The recorded point with the largest von Mises stress; -1 when none is recorded. */
-static int most_loaded(gh_h5 *file, int points) {
-  int best = -1;
+static gh_status most_loaded(gh_h5 *file, int points, int *best) {
   double most = -1;
+  *best = -1;
   for (int k = 0; k < points; k++) {
     char name[64];
     double s[4];
+    bool recorded;
     snprintf(name, sizeof name, "/rve/%04d/cauchy", k);
-    if (gh_h5_get_doubles(file, name, 1, 4, s) != GH_OK) continue;
-    if (scene_mises(s) > most) most = scene_mises(s), best = k;
+    GH_TRY(scene_rve_recorded(file, k, &recorded));
+    if (!recorded) continue;
+    GH_TRY(gh_h5_get_doubles(file, name, 1, 4, s));
+    if (scene_mises(s) > most) most = scene_mises(s), *best = k;
   }
-  return best;
+  return GH_OK;
 }
 
 static gh_status read_point(gh_context *ctx, const char *folder, int points, int point, scene_rve *d) {
   gh_h5 *file = NULL;
   *d = (scene_rve){0};
   GH_TRY(scene_open_h5(ctx, folder, "rves.h5", &file));
-  if (point < 0) point = most_loaded(file, points);
-  gh_status status;
-  if (scene_rve_recorded(file, point)) status = scene_rve_read(ctx, file, point, d);
+  bool recorded = false;
+  gh_status status = point < 0 ? most_loaded(file, points, &point) : GH_OK;
+  if (status == GH_OK) status = scene_rve_recorded(file, point, &recorded);
+  if (status != GH_OK) gh_h5_close(&file);
+  GH_TRY(status);
+  if (recorded) status = scene_rve_read(ctx, file, point, d);
   else
     status = gh_fail(ctx, GH_INPUT,
                      "%s/rves.h5: integration point %d is not recorded; there are %d, and `results: {rves: "

@@ -119,7 +119,7 @@ static double shear(const double s[4]) {
 
 static gh_status take_increment(report *r, int k, paths *t) {
   double *cauchy, *number;
-  size_t np = (size_t)r->np, rows, cols;
+  size_t np = (size_t)r->np;
   GH_TRY(report_field(r, k, "points/cauchy", np, 4, &cauchy));
   for (int j = 0; j < r->npoints; j++) {
     const double *s = cauchy + 4 * r->points[j];
@@ -132,7 +132,8 @@ static gh_status take_increment(report *r, int k, paths *t) {
   for (int i = 0; i < 2; i++) {
     char full[64];
     snprintf(full, sizeof full, "/step%04d/%s", k, names[i]);
-    bool there = gh_h5_size(r->results, full, &rows, &cols) == GH_OK; /* old folders lack the anisotropy */
+    bool there;
+    GH_TRY(gh_h5_there(r->results, full, &there)); /* old folders lack the anisotropy */
     number = NULL;
     if (there) GH_TRY(report_field(r, k, names[i], np, 1, &number));
     for (int j = 0; j < r->npoints; j++)

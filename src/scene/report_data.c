@@ -115,11 +115,11 @@ static gh_status read_mesh(report *r) {
 /* Increments that are both in results.h5, which is written first, and in history.csv. */
 static gh_status count_increments(report *r) {
   char name[64];
-  size_t rows, cols;
-  int frames = 0;
-  for (;; frames++) {
-    snprintf(name, sizeof name, "/step%04d/points/acoustic", frames);
-    if (gh_h5_size(r->results, name, &rows, &cols) != GH_OK) break;
+  bool there = true;
+  int frames = -1;
+  while (there) {
+    snprintf(name, sizeof name, "/step%04d/points/acoustic", ++frames);
+    GH_TRY(gh_h5_there(r->results, name, &there));
   }
   if (frames == 0) return no_increment(r);
   if (frames < r->history.nrows)
@@ -155,11 +155,13 @@ static void add_point(report *r, int point) {
 }
 
 /* The extreme points and the first, of those whose grains are recorded; of all where none are. */
-static void choose_extremes(report *r) {
+static gh_status choose_extremes(report *r) {
   const double *acoustic = r->acoustic + (size_t)(r->n - 1) * (size_t)r->np;
   int most = -1, least = -1, first = -1;
   for (int p = 0; p < r->np && r->rves; p++) {
-    if (!scene_rve_recorded(r->rves, p)) continue;
+    bool recorded;
+    GH_TRY(scene_rve_recorded(r->rves, p, &recorded));
+    if (!recorded) continue;
     if (first < 0) most = least = first = p;
     if (acoustic[p] < acoustic[least]) least = p;
     if (scene_mises(r->cauchy + 4 * p) > scene_mises(r->cauchy + 4 * most)) most = p;
@@ -170,6 +172,7 @@ static void choose_extremes(report *r) {
   add_point(r, r->most_shown);
   add_point(r, r->least_shown);
   add_point(r, none ? 0 : first);
+  return GH_OK;
 }
 
 static gh_status choose_points(report *r, const int *points, int npoints) {
@@ -182,7 +185,7 @@ static gh_status choose_points(report *r, const int *points, int npoints) {
                      points[k], r->np);
     add_point(r, points[k]);
   }
-  if (npoints == 0) choose_extremes(r);
+  if (npoints == 0) GH_TRY(choose_extremes(r));
   return GH_OK;
 }
 

@@ -210,9 +210,12 @@ static size_t primaries(const scene_rve *d) {
 static gh_status trace_at(report *r, const scene_rve *d, int k, double **x) {
   char name[64];
   size_t rows, cols;
+  bool there = false;
   *x = NULL;
   snprintf(name, sizeof name, "/trace/%04d/step%04d", d->point, k);
-  if (!r->traces || gh_h5_size(r->traces, name, &rows, &cols) != GH_OK) return GH_OK;
+  if (r->traces) GH_TRY(gh_h5_there(r->traces, name, &there));
+  if (!there) return GH_OK;
+  GH_TRY(gh_h5_size(r->traces, name, &rows, &cols));
   if (rows != primaries(d) || cols != 2)
     return gh_fail(r->ctx, GH_INPUT, "%s/traces.h5: %s has %zu rows, rves.h5 has %zu grains", r->folder, name,
                    rows, primaries(d));
@@ -406,7 +409,9 @@ gh_status report_packings(report *r) {
     return GH_OK;
   }
   for (int k = 0; k < r->npoints; k++) {
-    if (scene_rve_recorded(r->rves, r->points[k])) GH_TRY(draw_point(r, r->points[k]));
+    bool recorded;
+    GH_TRY(scene_rve_recorded(r->rves, r->points[k], &recorded));
+    if (recorded) GH_TRY(draw_point(r, r->points[k]));
     else {
       print_head(r, r->points[k]);
       gh_text_print(r->out,

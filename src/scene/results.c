@@ -215,11 +215,11 @@ static gh_status cut_h5(gh_h5 *file, int frames) {
 gh_status scene_results_resume(scene_results *r, int frames) {
   char *path;
   gh_h5 *file = NULL;
-  struct stat info;
+  bool there;
   GH_TRY(scene_result_path(r, "results.h5", &path));
-  gh_status status = stat(path, &info) == 0
-                         ? gh_h5_open(r->ctx, path, scene_h5_kind("results.h5"), true, &file)
-                         : gh_fail(r->ctx, GH_INPUT, "%s: %s", path, strerror(errno));
+  gh_status status = gh_file_there(r->ctx, path, &there);
+  if (status == GH_OK && !there) status = gh_fail(r->ctx, GH_INPUT, "%s: %s", path, strerror(ENOENT));
+  if (status == GH_OK) status = gh_h5_open(r->ctx, path, scene_h5_kind("results.h5"), true, &file);
   free(path);
   GH_TRY(status);
   status = cut_h5(file, frames);
