@@ -25,14 +25,25 @@ static gh_status check_script(gh_context *ctx, const char *path) {
   return cli_share(there) ? GH_OK : gh_fail(ctx, GH_INPUT, "cannot open the input script %s", path);
 }
 
+/* Takes the option, which is not LAMMPS's, off the arguments. */
+static bool take_allow_shell(int *argc, char **argv) {
+  int kept = 1;
+  for (int k = 1; k < *argc; k++)
+    if (strcmp(argv[k], "--allow-shell")) argv[kept++] = argv[k];
+  bool found = kept < *argc;
+  argv[ *argc = kept] = NULL;
+  return found;
+}
+
 static int run(int argc, char **argv) {
+  const bool programs = take_allow_shell(&argc, argv);
   gh_context *ctx = cli_open();
   if (!ctx) return 1;
   int exit_status = 0;
   bool alone = false;
   gh_status status = cli_mpi(ctx, false);
   if (status == GH_OK) status = check_script(ctx, script_of(argc, argv));
-  if (status == GH_OK) status = gh_lmp_program(ctx, argc, argv, &exit_status, &alone);
+  if (status == GH_OK) status = gh_lmp_program(ctx, argc, argv, programs, &exit_status, &alone);
   if (alone && cli_rank() > 0) fprintf(stderr, "granhom: %s\n", gh_message(ctx));
   int code = cli_close(ctx, status);
   if (alone) cli_abort(code);
@@ -61,6 +72,10 @@ const cli_command cli_lammps = {
         "  -log FILE|none      log file (log.lammps)\n"
         "  -screen FILE|none   screen output (standard output)\n"
         "  -echo none|screen|log|both\n"
+        "  --allow-shell       the script may run other programs: the commands shell, python and plugin,\n"
+        "                      Python in variables, fixes and pair styles, dump movie, models of KIM, and\n"
+        "                      names of compressed files with special characters. Without it these are\n"
+        "                      errors. Use it for scripts that you trust.\n"
         "and all others of lmp: `granhom lammps -help` lists them.\n"
         "\n"
         "Exit status: 0, or that of the script's `quit`; 1 an error of LAMMPS; 2 no such input script.\n"

@@ -703,7 +703,7 @@ static void hybrids(void **state) {
     command(ctx, lmp, "fix h all viscous 0");
     if (both) {
       FAILS(gh_lmp_command(ctx, lmp, "compute s all granhom/stress\n"), GH_OK, "");
-      FAILS(gh_lmp_command(ctx, lmp, "run 0"), GH_ENGINE, "requires one of the pair styles");
+      FAILS(gh_lmp_command(ctx, lmp, "run 0"), GH_ENGINE, "has 1 granhom/normal and 1 granhom/coulomb");
     } else {
       command(ctx, lmp, "compute s all granhom/stress");
       command(ctx, lmp, "run 0");

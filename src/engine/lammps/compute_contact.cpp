@@ -48,10 +48,7 @@ ComputeContact::~ComputeContact() {
 
 PairNormal *ComputeContact::pair() const {
   PairNormal *p = PairNormal::in_use(force);
-  if (!p)
-    error->all(FLERR, std::string("Compute ") + style +
-                          " requires one of the pair styles granhom/normal and granhom/coulomb");
-  return p;
+  return p ? p : PairNormal::require(lmp, std::string("Compute ") + style);
 }
 
 PairCoulomb *ComputeContact::friction() const {

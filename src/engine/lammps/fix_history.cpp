@@ -33,7 +33,12 @@ FixHistory::FixHistory(LAMMPS *l, int narg, char **arg) : Fix(l, narg, arg) {
   atom->add_callback(Atom::GROW);
   atom->add_callback(Atom::RESTART);
   cell(Hn);
-  for (int i = 0; i < atom->nlocal; i++) set_arrays(i);
+  cell(Hl);
+  for (int i = 0; i < atom->nlocal; i++) {
+    set_arrays(i);
+    note_end(i);
+  }
+  born = false;
 }
 
 FixHistory::~FixHistory() {
@@ -43,7 +48,7 @@ FixHistory::~FixHistory() {
 }
 
 int FixHistory::setmask() {
-  return INITIAL_INTEGRATE | POST_INTEGRATE | PRE_EXCHANGE;
+  return INITIAL_INTEGRATE | POST_INTEGRATE | PRE_EXCHANGE | POST_RUN;
 }
 
 void FixHistory::init() {
@@ -96,6 +101,7 @@ void FixHistory::refresh(bool new_list) {
   for (int i = 0; i < atom->nlocal; i++) turn[i] = theta[i] - theta_n[i];
   if (new_list) {
     follow_flip();
+    follow_births();
     for (int i = 0; i < atom->nlocal; i++) {
       int k[2];
       flags_of(domain, atom->image[i], k);
@@ -105,12 +111,26 @@ void FixHistory::refresh(bool new_list) {
   new_ghosts = new_list;
   granhom::forward_comm(comm, this, new_list ? 5 : 3);
   if (new_list) ghosts_known = true;
+  if (!starting) return;
+  xl.resize(2 * ((std::size_t)atom->nlocal + atom->nghost));
+  for (std::size_t i = 0; i < (std::size_t)atom->nlocal; i++) {
+    xl[2 * i] = xw[2 * i] + Hl[0] * fl[2 * i] + Hl[1] * fl[2 * i + 1];
+    xl[2 * i + 1] = xw[2 * i + 1] + Hl[3] * fl[2 * i + 1];
+  }
+  sending_last = true;
+  granhom::forward_comm(comm, this, 2);
+  sending_last = false;
 }
 
 int FixHistory::pack_forward_comm(int n, int *list, double *buf, int, int *) {
   int m = 0;
   for (int a = 0; a < n; a++) {
     const std::size_t i = list[a];
+    if (sending_last) {
+      buf[m++] = xl[2 * i];
+      buf[m++] = xl[2 * i + 1];
+      continue;
+    }
     buf[m++] = xn[2 * i];
     buf[m++] = xn[2 * i + 1];
     buf[m++] = turn[i];
@@ -128,6 +148,10 @@ int FixHistory::pack_forward_comm(int n, int *list, double *buf, int, int *) {
 
 void FixHistory::unpack_forward_comm(int n, int start, double *buf) {
   double H[4];
+  if (sending_last) {
+    std::copy_n(buf, 2 * (std::size_t)n, &xl[2 * (std::size_t)start]);
+    return;
+  }
   cell(H);
   for (std::size_t i = start; i < (std::size_t)start + n; i++) {
     xn[2 * i] = *buf++;
@@ -172,7 +196,7 @@ int FixHistory::find(int i, tagint tag, const int k[2]) const {
 }
 
 void FixHistory::begin_trial() {
-  trial = moved = false;
+  trial = moved = starting = false;
   touched.clear();
   owner.clear();
   if (keep_alpha) used.assign(pool.size(), 0);
@@ -229,6 +253,7 @@ void FixHistory::commit() {
 void FixHistory::initial_integrate(int) {
   stepping = true;
   tilt_before = domain->xy;
+  if (awaited && reconcile()) trial = ghosts_known = false; /* a run without setup */
   if (each_step) commit();
 }
 
@@ -240,7 +265,15 @@ void FixHistory::post_integrate() {
 
 void FixHistory::setup_pre_exchange() {
   stepping = false;
+  reconcile();
   pre_exchange();
+}
+
+void FixHistory::post_run() {
+  if (driven) return;
+  for (int i = 0; i < atom->nlocal; i++) note_end(i);
+  cell(Hl);
+  awaited = true;
 }
 
 /* Atoms may leave from here on: what was noted of the trial state belongs to an order that is gone. */
@@ -265,6 +298,146 @@ int FixHistory::modify_param(int narg, char **arg) {
   return 2;
 }
 
+/* ---- what commands do between runs ---- */
+
+void FixHistory::note_end(int i) {
+  known[i] = atom->tag[i];
+  std::copy_n(atom->x[i], 2, &xw[2 * (std::size_t)i]);
+  flags_of(domain, atom->image[i], &fl[2 * (std::size_t)i]);
+}
+
+/* State n follows the atoms that were known at the end of the last run: renumbered ones keep their contacts,
+ * those of atoms that are gone are dropped (their ids may be in use again). True: something has changed. */
+bool FixHistory::reconcile() {
+  awaited = false;
+  if (driven) return false;
+  std::vector<Change> changes;
+  int mine = 0, any;
+  for (int i = 0; i < atom->nlocal; i++) {
+    if (!known[i]) {
+      place_new(i);
+      continue;
+    }
+    Change c = {known[i], atom->tag[i], {0, 0}};
+    if (follow_images(i, &c) || c.before != c.now) mine = 1;
+    changes.push_back(c);
+    known[i] = c.now;
+  }
+  MPI_Allreduce(&mine, &any, 1, MPI_INT, MPI_MAX, world);
+  if (any) rekey(changes);
+  starting = true;
+  return any;
+}
+
+/* Image flags that a command has changed (set image, change_box boundary) while the atom stayed: its
+ * unwrapped position has gained lattice vectors, at n too. */
+bool FixHistory::follow_images(int i, Change *c) {
+  const std::size_t a = 2 * (std::size_t)i;
+  int now[2];
+  flags_of(domain, atom->image[i], now);
+  if (atom->x[i][0] != xw[a] || atom->x[i][1] != xw[a + 1]) return false;
+  for (int k = 0; k < 2; k++) {
+    c->steps[k] = now[k] - fl[a + k];
+    fl[a + k] = now[k];
+  }
+  for (int k = 0; k < 2; k++) xn[a + k] += Hn[2 * k] * c->steps[0] + Hn[2 * k + 1] * c->steps[1];
+  return c->steps[0] || c->steps[1];
+}
+
+/* A new atom has moved with the box since n, and not otherwise. */
+void FixHistory::place_new(int i) {
+  double H[4], x[2];
+  cell(H);
+  unwrapped(i, x);
+  if (!std::equal(H, H + 4, Hn)) {
+    const double s1 = x[1] / H[3], s0 = (x[0] - H[1] * s1) / H[0];
+    for (int k = 0; k < 2; k++) x[k] = Hn[2 * k] * s0 + Hn[2 * k + 1] * s1;
+  }
+  std::copy_n(x, 2, &xn[2 * (std::size_t)i]);
+}
+
+/* Of all ranks, in their order. */
+static std::vector<tagint> gather(const std::vector<tagint> &mine, MPI_Comm world) {
+  int ranks, count = (int)mine.size(), total = 0;
+  MPI_Comm_size(world, &ranks);
+  std::vector<int> counts(ranks), starts(ranks);
+  MPI_Allgather(&count, 1, MPI_INT, counts.data(), 1, MPI_INT, world);
+  for (int r = 0; r < ranks; r++) {
+    starts[r] = total;
+    total += counts[r];
+  }
+  std::vector<tagint> all(total);
+  MPI_Allgatherv(mine.data(), count, MPI_LMP_TAGINT, all.data(), counts.data(), starts.data(), MPI_LMP_TAGINT,
+                 world);
+  return all;
+}
+
+/* Keeps the records for which keep(atom, record) is true; it may change them. */
+template <typename Keep> void FixHistory::filter_records(Keep keep) {
+  std::vector<Partner> kept;
+  for (int i = 0; i < atom->nlocal; i++) {
+    const int begin = first[i], end = first[i] + count[i];
+    first[i] = (int)kept.size();
+    for (int r = begin; r < end; r++)
+      if (keep(i, pool[r])) kept.push_back(pool[r]);
+    count[i] = (int)kept.size() - first[i];
+  }
+  pool.swap(kept);
+}
+
+void FixHistory::rekey(const std::vector<Change> &mine) {
+  static_assert(sizeof(Change) == 4 * sizeof(tagint), "gathered as numbers");
+  std::vector<tagint> numbers;
+  for (const Change &c : mine) numbers.insert(numbers.end(), {c.before, c.now, c.steps[0], c.steps[1]});
+  numbers = gather(numbers, world);
+  std::vector<Change> all(numbers.size() / 4);
+  for (std::size_t a = 0; a < all.size(); a++)
+    all[a] = {numbers[4 * a], numbers[4 * a + 1], {numbers[4 * a + 2], numbers[4 * a + 3]}};
+  std::sort(all.begin(), all.end(), [](const Change &a, const Change &b) { return a.before < b.before; });
+  std::vector<std::size_t> own(atom->nlocal, all.size());
+  auto find_change = [&](tagint before) {
+    return std::lower_bound(all.begin(), all.end(), before,
+                            [](const Change &a, tagint tag) { return a.before < tag; });
+  };
+  std::size_t next = 0;
+  for (int i = 0; i < atom->nlocal; i++)
+    if (known[i]) own[i] = next++;
+  filter_records([&](int i, Partner &p) {
+    const auto c = find_change(p.tag);
+    if (c == all.end() || c->before != p.tag) return false;
+    for (int k = 0; k < 2; k++) p.k[k] += (int)(mine[own[i]].steps[k] - c->steps[k]);
+    p.tag = c->now;
+    return true;
+  });
+}
+
+/* A new atom has no history. A record of its id belongs to an atom that is gone. */
+void FixHistory::follow_births() {
+  if (driven) return;
+  int mine = born, any;
+  born = false;
+  MPI_Allreduce(&mine, &any, 1, MPI_INT, MPI_MAX, world);
+  if (!any) return;
+  std::vector<tagint> tags;
+  for (int i = 0; i < atom->nlocal; i++)
+    if (!known[i]) tags.push_back(known[i] = atom->tag[i]);
+  tags = gather(tags, world);
+  std::sort(tags.begin(), tags.end());
+  filter_records([&](int, Partner &p) { return !std::binary_search(tags.begin(), tags.end(), p.tag); });
+}
+
+double FixHistory::moved_by_commands(int i, int j, const double l[2]) const {
+  int k[2];
+  double H[4], last[2];
+  image(i, j, k);
+  cell(H);
+  const double *a = &xl[2 * (std::size_t)i], *b = &xl[2 * (std::size_t)j];
+  for (int c = 0; c < 2; c++) last[c] = b[c] - a[c] + (Hl[2 * c] * k[0] + Hl[2 * c + 1] * k[1]);
+  const double s1 = last[1] / Hl[3], s0 = (last[0] - Hl[1] * s1) / Hl[0];
+  const double with_box = std::hypot(l[0] - (H[0] * s0 + H[1] * s1), l[1] - H[3] * s1);
+  return std::min(with_box, std::hypot(l[0] - last[0], l[1] - last[1]));
+}
+
 /* ---- atoms come, go and are saved ---- */
 
 void FixHistory::grow_arrays(int nmax) {
@@ -273,6 +446,9 @@ void FixHistory::grow_arrays(int nmax) {
   for (auto *a : {&theta_n, &theta, &turn}) a->resize(n);
   for (auto *a : {&first, &count, &finger}) a->resize(n);
   steps.resize(2 * n);
+  xw.resize(2 * n);
+  fl.resize(2 * n);
+  known.resize(n);
 }
 
 void FixHistory::copy_arrays(int i, int j, int) {
@@ -282,6 +458,9 @@ void FixHistory::copy_arrays(int i, int j, int) {
   theta[j] = theta[i];
   first[j] = first[i];
   count[j] = count[i];
+  known[j] = known[i];
+  std::copy_n(&xw[2 * (std::size_t)i], 2, &xw[2 * (std::size_t)j]);
+  std::copy_n(&fl[2 * (std::size_t)i], 2, &fl[2 * (std::size_t)j]);
 }
 
 /* A new atom is at n where it is now. */
@@ -290,6 +469,12 @@ void FixHistory::set_arrays(int i) {
   unwrapped(i, &xn[2 * (std::size_t)i]);
   theta_n[i] = theta[i] = turn[i] = 0;
   first[i] = count[i] = 0;
+  born = true;
+  known[i] = 0;
+  for (std::size_t k = 0; k < 2; k++) {
+    xw[2 * (std::size_t)i + k] = NAN;
+    fl[2 * (std::size_t)i + k] = 0;
+  }
 }
 
 /* Records of atoms that have left, while none was committed. */
@@ -319,6 +504,11 @@ int FixHistory::pack(int i, double *buf) const {
   buf[m++] = theta_n[i];
   buf[m++] = theta[i];
   buf[m++] = count[i];
+  buf[m++] = (double)known[i];
+  for (std::size_t a = 2 * (std::size_t)i; a < 2 * (std::size_t)i + 2; a++) {
+    buf[m++] = xw[a];
+    buf[m++] = fl[a];
+  }
   for (int r = first[i]; r < first[i] + count[i]; r++) {
     const Partner &p = pool[r];
     for (double value : {(double)p.tag, (double)p.k[0], (double)p.k[1], p.gamma, p.gamma_pl, p.alpha})
@@ -328,15 +518,24 @@ int FixHistory::pack(int i, double *buf) const {
 }
 
 int FixHistory::unpack(int i, const double *buf) {
-  xn[2 * (std::size_t)i] = buf[1];
-  xn[2 * (std::size_t)i + 1] = buf[2];
+  const std::size_t a = 2 * (std::size_t)i;
+  xn[a] = buf[1];
+  xn[a + 1] = buf[2];
   theta_n[i] = buf[3];
   theta[i] = buf[4];
   turn[i] = theta[i] - theta_n[i];
   first[i] = (int)pool.size();
   count[i] = (int)buf[5];
+  const int head = (int)buf[0] - RECORD * count[i];
+  const bool old = head == HEAD_1;
+  known[i] = old ? atom->tag[i] : (tagint)buf[6];
+  for (std::size_t k = 0; k < 2; k++) {
+    xw[a + k] = old ? NAN : buf[7 + 2 * k];
+    fl[a + k] = old ? 0 : (int)buf[8 + 2 * k];
+  }
+  born = born || !known[i];
   for (int r = 0; r < count[i]; r++) {
-    const double *p = buf + HEAD + RECORD * r;
+    const double *p = buf + head + RECORD * r;
     pool.push_back({(tagint)p[0], {(int)p[1], (int)p[2]}, p[3], p[4], p[5]});
   }
   return (int)buf[0];
@@ -352,7 +551,9 @@ int FixHistory::unpack_exchange(int nlocal, double *buf) {
   return unpack(nlocal, buf);
 }
 
+/* Within a run, the run that reads the file begins where this one is. */
 int FixHistory::pack_restart(int i, double *buf) {
+  if (update->whichflag) note_end(i);
   return pack(i, buf);
 }
 
@@ -370,12 +571,24 @@ void FixHistory::unpack_restart(int nlocal, int nth) {
   const double *all = atom->extra[nlocal];
   int m = 0;
   for (int a = 0; a < nth; a++) m += (int)all[m];
-  unpack(nlocal, all + m);
+  const int size = (int)all[m], records = size > HEAD ? (int)all[m + 5] : 0, head = size - RECORD * records;
+  if (size == HEAD_1 || head == HEAD || head == HEAD_1) unpack(nlocal, all + m);
+  else known[nlocal] = -1;
+  if (known[nlocal] && known[nlocal] != atom->tag[nlocal])
+    error->one(FLERR, std::string("Pair granhom/coulomb: atoms were added, removed, reordered or renumbered "
+                                  "between read_restart and the first run, so that the history in the "
+                                  "restart file is not theirs: use run 0 right after read_restart"));
 }
 
-/* Lattice of n, and the laws, so that a script with other ones is refused. */
+/* Lattice of n, that of the end of the last run, and the laws, so that a script with other ones is refused.
+ * The lower left component of a lattice is 0: in its place stands the version, from 2 on. */
+enum { VERSION = 2 };
+
 void FixHistory::write_restart(FILE *fp) {
+  if (update->whichflag) cell(Hl);
   std::vector<double> data(Hn, Hn + 4);
+  data[2] = VERSION;
+  data.insert(data.end(), Hl, Hl + 4);
   auto *pair = dynamic_cast<PairCoulomb *>(force->pair_match("granhom/coulomb", 1));
   if (pair) pair->describe(data);
   if (comm->me) return;
@@ -387,16 +600,27 @@ void FixHistory::write_restart(FILE *fp) {
 void FixHistory::restart(char *buf) {
   double H[4];
   std::memcpy(H, buf, sizeof H);
+  buf += sizeof H;
+  const double version = H[2];
+  if (version != 0 && version != VERSION)
+    error->all(FLERR, "The restart file holds the history of a later version of pair granhom/coulomb: " +
+                          std::to_string((int)version) + ", not " + std::to_string(VERSION));
+  H[2] = 0;
   std::copy(H, H + 4, Hn);
+  if (version == VERSION) {
+    std::memcpy(Hl, buf, sizeof Hl);
+    buf += sizeof Hl;
+  }
   auto *pair = dynamic_cast<PairCoulomb *>(force->pair_match("granhom/coulomb", 1));
-  if (pair) pair->compare(buf + sizeof H);
+  if (pair) pair->compare(buf);
 }
 
 double FixHistory::memory_usage() {
   const std::size_t doubles = xn.capacity() + theta_n.capacity() + theta.capacity() + turn.capacity() +
-                              xt.capacity() + theta_t.capacity(),
+                              xt.capacity() + theta_t.capacity() + xw.capacity() + xl.capacity(),
                     ints = first.capacity() + count.capacity() + finger.capacity() + steps.capacity() +
-                           tfirst.capacity() + tcount.capacity() + owner.capacity();
+                           tfirst.capacity() + tcount.capacity() + owner.capacity() + fl.capacity() +
+                           known.capacity();
   return (double)(doubles * sizeof(double) + ints * sizeof(int) + used.capacity() +
                   (pool.capacity() + tpool.capacity() + touched.capacity()) * sizeof(Partner));
 }
@@ -406,6 +630,7 @@ double FixHistory::memory_usage() {
 void FixHistory::set_converged(const double H[4], const double *x, const double *rotations,
                                const gh_slip *slips, int nslips) {
   const int n = atom->nlocal;
+  driven = true;
   std::copy(H, H + 4, Hn);
   std::vector<int> &at = place;
   local.resize(n);

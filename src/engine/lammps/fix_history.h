@@ -31,6 +31,7 @@ public:
   ~FixHistory() override;
   int setmask() override;
   void init() override;
+  void post_run() override;
   void initial_integrate(int vflag) override;
   void post_integrate() override;
   void setup_pre_exchange() override;
@@ -63,6 +64,10 @@ public:
   /* Brings the ghosts up to date; positions are those of now. new_list: the neighbour list is new. */
   void refresh(bool new_list);
   bool fresh() const { return ghosts_known; } /* ghosts belong to the neighbour list */
+  /* At the first forces of a run, after refresh(): how far commands between the runs have moved
+   * atom j against atom i, beyond what the box carried along; l = x_j - x_i. NaN: one of them is new. */
+  bool starts() const { return starting; }
+  double moved_by_commands(int i, int j, const double l[2]) const;
   /* Image of j as atom i sees it; i is owned. */
   void image(int i, int j, int k[2]) const;
   /* Branch vector at n, and theta - theta_n. */
@@ -95,15 +100,28 @@ public:
   void get_rotations(double *rotations) const;
 
 private:
-  enum { RECORD = 6, HEAD = 6 }; /* numbers of a partner, and before the partners of an atom */
+  /* Numbers of a partner, and before the partners of an atom: now, and in restart files of before version 2
+   */
+  enum { RECORD = 6, HEAD = 11, HEAD_1 = 6 };
 
   bool each_step = true, turns = true, keep_alpha = false, elsewhere = false;
+  bool driven = false; /* by a program, which gives state n itself */
   FixHistory **holder = nullptr;
   /* state n */
   double Hn[4];
   std::vector<double> xn, theta_n; /* xn, turn and steps: of ghosts too */
   std::vector<int> first, count;   /* partners of an atom: pool[first ... first + count) */
   std::vector<Partner> pool;
+  /* end of the last run: what differs from it at the start of the next was done by commands */
+  double Hl[4];
+  std::vector<double> xw;               /* as LAMMPS has it; NaN: not known */
+  std::vector<int> fl;                  /* image flags */
+  std::vector<LAMMPS_NS::tagint> known; /* id; 0: a new atom */
+  bool born = false;                    /* there may be new atoms here */
+  bool starting = false;                /* the forces to come are the first of a run */
+  bool awaited = true;                  /* reconcile() is due: since the end of the last run */
+  std::vector<double> xl;               /* unwrapped, of ghosts too, for the start of a run only */
+  bool sending_last = false;
   /* now */
   std::vector<double> theta, turn;
   std::vector<int> steps; /* 2 per atom: lattice vectors from the owner's unwrapped position to the atom */
@@ -125,6 +143,17 @@ private:
   void cell(double H[4]) const;
   void unwrapped(int i, double x[2]) const;
   void follow_flip();
+  struct Change { /* of an atom, by commands between runs */
+    LAMMPS_NS::tagint before, now;
+    LAMMPS_NS::tagint steps[2]; /* lattice vectors that its unwrapped position gained */
+  };
+  bool reconcile();
+  void note_end(int i);
+  bool follow_images(int i, Change *c);
+  void place_new(int i);
+  void rekey(const std::vector<Change> &mine);
+  void follow_births();
+  template <typename Keep> void filter_records(Keep keep);
   void carry_alpha();
   void compact();
   int most_partners() const;

@@ -95,11 +95,8 @@ int FixRelax::setmask() {
 void FixRelax::init() {
   if (std::strncmp(update->integrate_style, "respa", 5) == 0)
     error->all(FLERR, std::string("Fix granhom/relax does not run with run_style respa"));
-  pair = PairNormal::in_use(force);
-  if (!pair)
-    error->all(
-        FLERR,
-        std::string("Fix granhom/relax requires one of the pair styles granhom/normal and granhom/coulomb"));
+  pair = PairNormal::require(lmp, "Fix granhom/relax");
+  pair->driven_by_program(driven);
   coulomb = dynamic_cast<PairCoulomb *>(pair);
   history = coulomb ? coulomb->history() : nullptr;
   turns = coulomb && coulomb->turning();

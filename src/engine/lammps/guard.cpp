@@ -8,6 +8,7 @@
 #include "engine/lammps/fix_history.h"
 #include "engine/lammps/fix_relax.h"
 #include "engine/lammps/interpose.h"
+#include "engine/lammps/interpose_programs.h"
 #include "engine/lammps/versions.h"
 
 #include "input.h"
@@ -122,6 +123,7 @@ gh_status gh_lmp_open(gh_context *ctx, void **lmp) {
     char *argv[] = {name, screen, none, log, none, nocite, nullptr};
     *lmp = lammps_open(6, argv, MPI_COMM_SELF, nullptr);
     if (!*lmp) return cannot_open(ctx);
+    granhom::refuse_programs(static_cast<LAMMPS *>(*lmp));
     gh_status status = check_instance(ctx, *lmp);
     if (status != GH_OK) gh_lmp_close(lmp);
     return status;
@@ -307,7 +309,8 @@ gh_status gh_lmp_get_rotations(gh_context *ctx, void *lmp, double *theta) {
 
 /* ---- a LAMMPS program of its own ---- */
 
-gh_status gh_lmp_program(gh_context *ctx, int argc, char **argv, int *exit_status, bool *alone) {
+gh_status gh_lmp_program(gh_context *ctx, int argc, char **argv, bool programs, int *exit_status,
+                         bool *alone) {
   void *lmp = nullptr;
   *exit_status = 0;
   *alone = false;
@@ -317,6 +320,7 @@ gh_status gh_lmp_program(gh_context *ctx, int argc, char **argv, int *exit_statu
       lmp = lammps_open(argc, argv, MPI_COMM_WORLD, nullptr);
       if (!lmp) return cannot_open(ctx);
       GH_TRY(check_instance(ctx, lmp));
+      if (!programs) granhom::refuse_programs(static_cast<LAMMPS *>(lmp));
       static_cast<LAMMPS *>(lmp)->input->file();
       return GH_OK;
     } catch (const granhom::lammps_quit &quit) {

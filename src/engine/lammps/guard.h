@@ -76,9 +76,11 @@ gh_status gh_lmp_pairs(gh_context *ctx, void *lmp, const char *id, long *pairs);
 /* ---- a LAMMPS program of its own ---- */
 
 /* What LAMMPS's own main does with these arguments (argv[0] is the program) on MPI_COMM_WORLD (MPI is
- * initialised if nobody did). *exit_status: that of a `quit` command, else 0. GH_ENGINE: an error; on all
+ * initialised if nobody did). programs: the script may run other programs (the command shell and the like,
+ * which are errors otherwise). *exit_status: that of a `quit` command, else 0. GH_ENGINE: an error; on all
  * ranks unless *alone is set: then the other ranks do not know, and the caller must end them (MPI_Abort). */
-gh_status gh_lmp_program(gh_context *ctx, int argc, char **argv, int *exit_status, bool *alone);
+gh_status gh_lmp_program(gh_context *ctx, int argc, char **argv, bool programs, int *exit_status,
+                         bool *alone);
 
 #ifdef __cplusplus
 }

@@ -20,6 +20,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <cstring>
 #include <string>
 
@@ -242,10 +243,34 @@ void PairCoulomb::add(int i, int j, const double *l, double d, double reach) {
                  0, -l[0], -l[1], 0);
 }
 
+/* Slip is measured from positions. A grain that a command has put to another place has not slid all the way
+ * along its new neighbours. */
+void PairCoulomb::check_moves() {
+  const double *const *x = atom->x, *radius = atom->radius;
+  for (int ii = 0; ii < list->inum; ii++) {
+    const int i = list->ilist[ii];
+    for (int jj = 0; jj < list->numneigh[i]; jj++) {
+      const int j = list->firstneigh[i][jj] & NEIGHMASK;
+      const double l[2] = {x[j][0] - x[i][0], x[j][1] - x[i][1]}, moved = fix->moved_by_commands(i, j, l),
+                   limit = std::min(radius[i], radius[j]);
+      if (std::hypot(l[0], l[1]) > radius[i] + radius[j] || !(moved > limit)) continue;
+      char text[500];
+      snprintf(text, sizeof text,
+               "Pair granhom/coulomb: commands between runs have moved atom %ld against atom %ld, which it "
+               "touches, by %g, more than the smaller radius %g: the slip of this contact is not known. Move "
+               "in smaller steps with run 0 between them, or drop all history: pair_style none, then "
+               "pair_style granhom/coulomb again",
+               (long)atom->tag[i], (long)atom->tag[j], moved, limit);
+      error->one(FLERR, std::string(text));
+    }
+  }
+}
+
 void PairCoulomb::compute(int eflag, int vflag) {
   ev_init(eflag, vflag);
-  if (neighbor->ago == 0) note_build();
-  fix->refresh(neighbor->ago == 0 || !fix->fresh());
+  const bool built = check_list();
+  fix->refresh(built || !fix->fresh());
+  if (fix->starts()) check_moves();
   fix->begin_trial();
   force_sum = contact_count = 0;
   const double *const *x = atom->x;

@@ -68,6 +68,7 @@ private:
   void set_law(int i, int j, const double *parameters);
   void add(int i, int j, const double *l, double d, double reach);
   void remember(int i, int j, const Contact &c);
+  void check_moves();
 };
 
 } // namespace granhom

@@ -11,14 +11,18 @@
 #include "comm.h"
 #include "domain.h"
 #include "error.h"
+#include "fix.h"
 #include "force.h"
+#include "lammps.h"
 #include "memory.h"
 #include "modify.h"
 #include "neigh_list.h"
 #include "neighbor.h"
+#include "update.h"
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <string>
 
 using namespace LAMMPS_NS;
@@ -76,11 +80,35 @@ void PairNormal::coeff(int narg, char **arg) {
   if (!count) error->all(FLERR, std::string("Incorrect args for pair coefficients"));
 }
 
+/* Number of pair styles of that name; several are sub-styles of a hybrid. */
+static int count_styles(Force *force, const char *name) {
+  if (force->pair_match(name, 1)) return 1;
+  int n = 0;
+  while (force->pair_match(name, 1, n + 1)) n++;
+  return n;
+}
+
 PairNormal *PairNormal::in_use(const Force *force) {
+  if (auto *only = dynamic_cast<PairNormal *>(force->pair)) return only;
   auto *f = const_cast<Force *>(force);
   Pair *normal = f->pair_match("granhom/normal", 1), *coulomb = f->pair_match("granhom/coulomb", 1);
-  if (normal && coulomb) return nullptr;
+  if (count_styles(f, "granhom/normal") + count_styles(f, "granhom/coulomb") != 1) return nullptr;
   return dynamic_cast<PairNormal *>(normal ? normal : coulomb);
+}
+
+PairNormal *PairNormal::require(LAMMPS *lmp, const std::string &who) {
+  PairNormal *pair = in_use(lmp->force);
+  if (pair) return pair;
+  const int normal = count_styles(lmp->force, "granhom/normal"),
+            coulomb = count_styles(lmp->force, "granhom/coulomb");
+  if (normal + coulomb == 0)
+    lmp->error->all(FLERR, who + " requires one of the pair styles granhom/normal and granhom/coulomb");
+  lmp->error->all(FLERR, who + " requires a single pair style of granhom, but pair_style " +
+                             lmp->force->pair_style + " has " + std::to_string(normal) +
+                             " granhom/normal and " + std::to_string(coulomb) +
+                             " granhom/coulomb: give all types to one of them (granhom/coulomb with mu = 0 "
+                             "is free of friction)");
+  return nullptr;
 }
 
 void PairNormal::init_style() {
@@ -102,16 +130,32 @@ void PairNormal::refuse_history() {
                                   "granhom/normal would drop"));
 }
 
+/* Largest radius of grains of this type that fixes will insert (fix pour, fix deposit), as LAMMPS's granular
+ * styles ask for it. */
+static double inserted_radius(Modify *modify, int type) {
+  double most = 0;
+  for (int k = 0; k < modify->nfix; k++) {
+    int dim = type; /* the type goes in, the dimension of the answer comes out */
+    auto *radius = static_cast<double *>(modify->fix[k]->extract("radius", dim));
+    if (radius && dim == 0) most = std::max(most, *radius);
+  }
+  return most;
+}
+
 void PairNormal::find_largest() {
   int n = atom->ntypes + 1;
   std::vector<double> mine(n, 0.0);
   for (int i = 0; i < atom->nlocal; i++) mine[atom->type[i]] = std::max(mine[atom->type[i]], atom->radius[i]);
+  for (int t = 1; t < n; t++) mine[t] = std::max(mine[t], inserted_radius(modify, t));
   MPI_Allreduce(mine.data(), largest, n, MPI_DOUBLE, MPI_MAX, world);
+  covered.assign(n, 0);
+  initialised = true;
 }
 
 double PairNormal::init_one(int i, int j) {
   if (!setflag[i][j]) E[i][j] = 0.5 * (E[i][i] + E[j][j]);
   E[j][i] = E[i][j];
+  covered[i] = covered[j] = 1;
   return largest[i] + largest[j];
 }
 
@@ -136,6 +180,55 @@ void PairNormal::note_build() {
   cell_now(build_cell);
 }
 
+/* The first evaluation of a run without setup (pre no) may use the list of the run before. */
+bool PairNormal::check_list() {
+  const bool built = neighbor->ago == 0,
+             prepared = initialised || (run_first == update->firststep && run_last == update->laststep);
+  initialised = false;
+  run_first = update->firststep;
+  run_last = update->laststep;
+  if (built) note_build();
+  else if (!prepared) check_unprepared();
+  if (built || !driven) check_radii();
+  return built;
+}
+
+/* The cutoff of a type follows from its largest radius at the start of the run. */
+void PairNormal::check_radii() {
+  const double *radius = atom->radius;
+  const int *type = atom->type;
+  for (int i = 0; i < atom->nlocal; i++) {
+    if (radius[i] <= largest[type[i]] || !covered[type[i]]) continue;
+    char text[400];
+    snprintf(text, sizeof text,
+             "Pair %s: the radius %g of atom %ld exceeds %g, the largest of its type %d at the start of the "
+             "run and of what fixes insert: contacts beyond the cutoff would be missed. Change radii and "
+             "types between runs (with setup), or let the type have an atom of the largest radius from the "
+             "start",
+             force->pair_style, radius[i], (long)atom->tag[i], largest[type[i]], type[i]);
+    error->one(FLERR, std::string(text));
+  }
+}
+
+/* Commands before a run with `pre no` may have changed what the list is made of. Two atoms that have come
+ * nearer by more than the skin may be in contact without being on the list. */
+void PairNormal::check_unprepared() {
+  const std::string reason = "Pair " + std::string(force->pair_style) + ": a run with pre no cannot follow ";
+  const std::size_t nlocal = atom->nlocal, nall = nlocal + atom->nghost;
+  if (build_id.size() != nall || build_x.size() != 3 * nlocal ||
+      !std::equal(build_id.begin(), build_id.end(), atom->tag))
+    error->one(FLERR, reason + "commands that add, remove, reorder or renumber atoms: use pre yes");
+  double most = 0, second = 0;
+  for (std::size_t i = 0; i < nlocal; i++) {
+    double d2 = 0;
+    for (std::size_t k = 0; k < 3; k++) d2 += std::pow(atom->x[i][k] - build_x[3 * i + k], 2);
+    second = std::max(second, std::min(most, d2));
+    most = std::max(most, d2);
+  }
+  if (std::sqrt(most) + std::sqrt(second) > neighbor->skin * (1 + 1e-9))
+    error->one(FLERR, reason + "commands that move atoms by more than the neighbor skin: use pre yes");
+}
+
 void PairNormal::centres_coincide(int i, int j) {
   error->one(FLERR, "Centres of atoms " + std::to_string(atom->tag[i]) + " and " +
                         std::to_string(atom->tag[j]) +
@@ -144,7 +237,7 @@ void PairNormal::centres_coincide(int i, int j) {
 
 void PairNormal::compute(int eflag, int vflag) {
   ev_init(eflag, vflag);
-  if (neighbor->ago == 0) note_build();
+  check_list();
 
   const double *const *x = atom->x;
   double **f = atom->f;
@@ -227,6 +320,6 @@ void PairNormal::write_data_all(FILE *fp) {
 }
 
 double PairNormal::memory_usage() {
-  return Pair::memory_usage() + (double)build_x.capacity() * sizeof(double) +
+  return Pair::memory_usage() + (double)covered.capacity() + (double)build_x.capacity() * sizeof(double) +
          (double)build_id.capacity() * sizeof(tagint);
 }

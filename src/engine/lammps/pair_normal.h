@@ -8,6 +8,7 @@
 #include "force.h"
 #include "pair.h"
 
+#include <string>
 #include <vector>
 
 namespace granhom {
@@ -29,8 +30,10 @@ public:
   void write_data_all(FILE *fp) override;
   double memory_usage() override;
 
-  /* The pair style of this simulation, normal or coulomb; null: another one, or both in a hybrid. */
+  /* The pair style of this simulation, normal or coulomb; null: another one, or several in a hybrid. */
   static PairNormal *in_use(const LAMMPS_NS::Force *force);
+  /* The same; stops with the reason where there is none or more than one. who: "Fix granhom/relax". */
+  static PairNormal *require(LAMMPS_NS::LAMMPS *lmp, const std::string &who);
   double stiffness(int itype, int jtype) const { return E[itype][jtype]; }
   /* True when all pairs of types have the stiffness that is written to *value. */
   bool one_stiffness(double *value) const;
@@ -48,15 +51,28 @@ public:
   double build_cell[6] = {};               /* xprd yprd zprd xy xz yz */
   void cell_now(double cell[6]) const;
 
+  /* A program that moves the atoms itself changes radii and atoms at no time: they are checked at list builds
+   * only, else at each evaluation too. */
+  void driven_by_program(bool yes) { driven = yes; }
+
 protected:
   double **E = nullptr; /* stiffness of the pairs of types */
   void allocate();
-  void note_build();
+  /* Checks what the neighbour list assumes; true: the list is new. To be called before each evaluation. */
+  bool check_list();
   void find_largest();
   void refuse_history();
 
 private:
-  double *largest = nullptr; /* largest radius of each type */
+  double *largest = nullptr; /* largest radius of each type, of grains to be inserted too */
+  std::vector<char> covered; /* types with contacts of this style */
+  bool initialised = false;  /* since the last evaluation */
+  LAMMPS_NS::bigint run_first = -1, run_last = -1; /* time steps of the run of the last evaluation */
+  bool driven = false;
+
+  void note_build();
+  void check_unprepared();
+  void check_radii();
 };
 
 } // namespace granhom

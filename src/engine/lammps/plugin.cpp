@@ -3,6 +3,7 @@
  *
  * Built against the headers of the very LAMMPS that loads it: docs/lammps/README.md. */
 #if __has_include(<lammpsplugin.h>)
+#include "engine/lammps/commands.h"
 #include "engine/lammps/compute_contact.h"
 #include "engine/lammps/compute_stress.h"
 #include "engine/lammps/compute_tangent.h"
@@ -57,5 +58,6 @@ extern "C" void lammpsplugin_init(void *lmp, void *handle, void *registrar) {
   add_other("compute", "granhom/contact/local", "list of contacts", other<Compute, ComputeContact>);
   add_other("compute", "granhom/stress", "homogenised stress", other<Compute, ComputeStress>);
   add_other("compute", "granhom/tangent", "homogenised tangent", other<Compute, ComputeTangent>);
+  register_commands(static_cast<LAMMPS *>(lmp));
 }
 #endif

@@ -1,6 +1,7 @@
 /* LAMMPS styles of granhom: registration. SPDX-License-Identifier: GPL-2.0-or-later */
 #include "engine/lammps/styles.h"
 
+#include "engine/lammps/commands.h"
 #include "engine/lammps/compute_contact.h"
 #include "engine/lammps/compute_stress.h"
 #include "engine/lammps/compute_tangent.h"
@@ -36,4 +37,5 @@ void granhom::register_styles(LAMMPS *lmp) {
   computes["granhom/contact/local"] = compute<ComputeContact>;
   computes["granhom/stress"] = compute<ComputeStress>;
   computes["granhom/tangent"] = compute<ComputeTangent>;
+  register_commands(lmp);
 }

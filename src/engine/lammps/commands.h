@@ -1,0 +1,17 @@
+/* LAMMPS commands that friction cannot follow. SPDX-License-Identifier: GPL-2.0-or-later */
+#ifndef GRANHOM_LAMMPS_COMMANDS_H
+#define GRANHOM_LAMMPS_COMMANDS_H
+
+namespace LAMMPS_NS {
+class LAMMPS;
+}
+
+namespace granhom {
+
+/* From now on rerun and read_dump stop with the reason where pair style granhom/coulomb has a state n that
+ * they would leave behind. May be called again after `clear`. */
+void register_commands(LAMMPS_NS::LAMMPS *lmp);
+
+} // namespace granhom
+
+#endif
