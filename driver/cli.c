@@ -145,3 +145,18 @@ gh_status cli_finish(gh_context *ctx, gh_status status, gh_status (*last)(void *
   free(message);
   return status == GH_OK ? s : status;
 }
+
+gh_status cli_check_outputs(gh_context *ctx, const char *const *path, int count) {
+  for (int k = 0; k < count; k++) {
+    if (!path[k] || !strcmp(path[k], "-")) continue;
+    for (int m = 0; m < k; m++)
+      if (path[m] && !strcmp(path[m], path[k]))
+        return gh_fail(ctx, GH_INPUT, "%s: two of the results would be written into this file", path[k]);
+    GH_TRY(gh_file_writable(ctx, path[k]));
+  }
+  return GH_OK;
+}
+
+gh_status cli_end_of_rows(gh_status status, long rows) {
+  return status == GH_INPUT && rows > 0 ? GH_DIVERGED : status;
+}

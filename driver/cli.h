@@ -55,6 +55,12 @@ int cli_positive(const cli_command *command, const char *option, const char *tex
 /* ... that is an integer from low to high. */
 int cli_integer(const cli_command *command, const char *option, const char *text, long low, long high,
                 long *value);
+/* Whether files (NULL and "-": none) can be written, before anything is computed. GH_INPUT: one is named
+ * twice. */
+gh_status cli_check_outputs(gh_context *ctx, const char *const *path, int count);
+/* Wrong input writes nothing. What shows itself only after rows of results are there is no longer that, but a
+ * computation that came no further: the rows before it are written, and the exit status is 1. */
+gh_status cli_end_of_rows(gh_status status, long rows);
 #define CLI_RELAXATION_HELP                                                                                  \
   "  --relaxation WORD      polished (default): damped central differences, then Newton where it is safe;\n" \
   "                         damped: damped central differences alone; fire: FIRE alone\n"

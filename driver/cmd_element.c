@@ -166,8 +166,8 @@ static void write_row(job *j, int load_step, const gh_control_report *r, double 
   j->jumped += r->jumps > 0;
 }
 
-/* The file appears whole, the first time before the first increment: what cannot be written is known early,
- * and a killed run leaves what it had. */
+/* The file appears whole, the first time after the first increment, so that wrong input writes nothing; a
+ * killed run leaves what it had. */
 static gh_status write_file(job *j, bool last) {
   const char *path = j->args->output;
   j->written = gh_seconds();
@@ -217,7 +217,7 @@ static gh_status step(job *j, int number, gh_work *work, int before) {
   for (int k = 0; k < s->increments; k++) {
     GH_TRY(increment(j, s, number, k, from, to));
     gh_work_advance(j->ctx, work, before + k + 1);
-    if (gh_seconds() - j->written > WRITE_EVERY) GH_TRY(write_file(j, false));
+    if (j->row == 2 || gh_seconds() - j->written > WRITE_EVERY) GH_TRY(write_file(j, false));
     if (s->until && beyond(j, s) != side) return GH_OK;
   }
   return GH_OK;
@@ -256,6 +256,7 @@ static gh_status element(job *j) {
   GH_TRY(a->control ? element_spec_read(j->ctx, a->control, &j->spec)
                     : element_spec_read_path(j->ctx, a->path, &j->spec));
   GH_TRY(gh_packing_read(j->ctx, a->packing, &j->packing));
+  GH_TRY(cli_check_outputs(j->ctx, (const char *const[]){a->output, a->save}, 2));
   GH_TRY(cli_mpi(j->ctx, true));
   GH_TRY(gh_rve_create(j->ctx, j->packing, &a->rve, &j->rve));
   if (a->load) GH_TRY(rve_state_load(j->ctx, a->load, j->rve, &a->rve, j->packing));
@@ -263,8 +264,9 @@ static gh_status element(job *j) {
   gh_control_set_count(j->control, count_part, j);
   GH_TRY(gh_text_create(j->ctx, &j->out));
   write_header(j);
-  GH_TRY(write_file(j, false));
-  return cli_finish(j->ctx, walk(j), write_last, j);
+  gh_status status = walk(j);
+  status = cli_end_of_rows(status, j->row - 1); /* without row 0, the start */
+  return status == GH_INPUT ? status : cli_finish(j->ctx, status, write_last, j);
 }
 
 static int run(int argc, char **argv) {

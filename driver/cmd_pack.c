@@ -4,7 +4,6 @@
 
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 static const char help[] =
     "usage: granhom pack SPEC.yaml -o PACKING.data [options]\n"
@@ -35,7 +34,7 @@ static const char help[] =
     "  --threshold T          stop when the volume fraction grows by less than T (default 1e-9; 0: never) "
     "...\n"
     "  --window C             ... in C collisions per grain (default 1)\n"
-    "  --seconds T            stop after this time\n"
+    "  --seconds T            stop growth after this time; --finish takes what it takes after that\n"
     "  --cell LX,LY[,LZ]      proportions of the cell (its size follows from the grains); default 1,1[,1]\n"
     "  --tilt XY[,XZ,YZ]      tilts of the cell, in the same units\n"
     "\n"
@@ -92,16 +91,19 @@ static gh_status parse(gh_context *ctx, int argc, char **argv, pack_spec *spec) 
 }
 
 /* Growth takes long: what would fail at its end is tried before. */
-static gh_status check_file(gh_context *ctx, const char *path, bool picture) {
-  const char *dot = strrchr(path, '.');
-  if (picture && !(dot && (!strcmp(dot, ".svg") || !strcmp(dot, ".png"))))
-    return gh_fail(ctx, GH_INPUT, "--picture: '%s' ends neither in .svg nor in .png", path);
-  char *folder = gh_path_folder(path);
-  if (!folder) return gh_fail(ctx, GH_MEMORY, "no memory for a path");
-  bool writable = access(folder, W_OK | X_OK) == 0;
-  free(folder);
-  if (!writable) return gh_fail(ctx, GH_SYSTEM, "%s: its folder cannot be written to", path);
-  return GH_OK;
+static gh_status check_files(gh_context *ctx, const pack_spec *spec) {
+  const char *dot = spec->picture ? strrchr(spec->picture, '.') : NULL;
+  if (spec->picture && !(dot && (!strcmp(dot, ".svg") || !strcmp(dot, ".png"))))
+    return gh_fail(ctx, GH_INPUT, "--picture: '%s' ends neither in .svg nor in .png", spec->picture);
+  if (!spec->ensemble) return cli_check_outputs(ctx, (const char *const[]){spec->output, spec->picture}, 2);
+  char *path = gh_ensemble_path(spec->output, 1);
+  char *picture = spec->picture ? gh_ensemble_path(spec->picture, 1) : NULL;
+  gh_status status = path && (picture || !spec->picture)
+                         ? cli_check_outputs(ctx, (const char *const[]){path, picture}, 2)
+                         : gh_fail(ctx, GH_MEMORY, "no memory for a path");
+  free(path);
+  free(picture);
+  return status;
 }
 
 /* ---- results ---- */
@@ -204,7 +206,7 @@ static gh_status member(gh_context *ctx, const pack_spec *spec, const ingredient
 
 static gh_status all(gh_context *ctx, const pack_spec *spec, const ingredients *from) {
   if (!spec->ensemble) return one(ctx, spec, from, spec->grow.seed, spec->output, spec->picture);
-  for (int k = 1; k <= spec->ensemble; k++) GH_TRY(member(ctx, spec, from, k));
+  for (int k = 1; k <= spec->ensemble; k++) GH_TRY(cli_end_of_rows(member(ctx, spec, from, k), k - 1));
   return GH_OK;
 }
 
@@ -224,8 +226,7 @@ static gh_status prepare(gh_context *ctx, const pack_spec *spec, ingredients *fr
 static gh_status work(gh_context *ctx, int argc, char **argv, pack_spec *spec) {
   ingredients from = {0};
   GH_TRY(parse(ctx, argc, argv, spec));
-  GH_TRY(check_file(ctx, spec->output, false));
-  if (spec->picture) GH_TRY(check_file(ctx, spec->picture, true));
+  GH_TRY(check_files(ctx, spec));
   if (spec->finish) GH_TRY(cli_mpi(ctx, true));
   gh_status status = prepare(ctx, spec, &from);
   if (status == GH_OK) status = all(ctx, spec, &from);

@@ -63,6 +63,7 @@ typedef struct job {
   rve_doubts doubts; /* of the increment under way */
   gh_text *out, *tangent, *dump;
   double written; /* when the files were last written */
+  int rows;       /* complete */
 } job;
 
 /* ---- options ---- */
@@ -198,8 +199,8 @@ static gh_status write_text(gh_context *ctx, gh_text *text, const char *path, bo
   return last ? cli_print(ctx, text) : GH_OK;
 }
 
-/* Files appear whole, the first time before the first increment: what cannot be written is known early, and a
- * killed run leaves what it had. */
+/* Files appear whole, the first time after the first increment, so that wrong input writes nothing; a killed
+ * run leaves what it had. */
 static gh_status write_files(job *j, bool last) {
   GH_TRY(write_text(j->ctx, j->out, j->args->output, last));
   GH_TRY(write_text(j->ctx, j->tangent, j->args->tangent, last));
@@ -275,10 +276,12 @@ static gh_status walk(job *j) {
     if (status == GH_OK) status = write_row(j, step, A);
     if (status == GH_OK && j->whole) status = compare(j, step, from, F);
     if (status == GH_OK) status = gh_rve_commit(j->rve);
+    j->rows += status == GH_OK;
     memcpy(from, F, sizeof from);
     if (status != GH_OK) gh_prefix(j->ctx, status, "step %ld: ", step);
     gh_work_advance(j->ctx, &work, row + 1);
-    if (status == GH_OK && gh_seconds() - j->written > WRITE_EVERY) status = write_files(j, false);
+    if (status == GH_OK && (row == 0 || gh_seconds() - j->written > WRITE_EVERY))
+      status = write_files(j, false);
   }
   gh_work_end(j->ctx, &work, row);
   rve_error_tell(j->ctx, &j->error);
@@ -301,6 +304,7 @@ static gh_status rve(job *j) {
         "--save-state and --load-state need HDF5, and this granhom was built without (make HDF5=0)");
   GH_TRY(gh_packing_read(j->ctx, a->packing, &j->packing));
   GH_TRY(path_read(j->ctx, a->path, &j->path));
+  GH_TRY(cli_check_outputs(j->ctx, (const char *const[]){a->output, a->tangent, a->dump, a->save}, 4));
   GH_TRY(cli_mpi(j->ctx, true));
   GH_TRY(gh_rve_create(j->ctx, j->packing, &a->rve, &j->rve));
   if (a->load) GH_TRY(rve_state_load(j->ctx, a->load, j->rve, &a->rve, j->packing));
@@ -310,8 +314,9 @@ static gh_status rve(job *j) {
   if (a->tangent) GH_TRY(gh_text_create(j->ctx, &j->tangent));
   if (a->dump) GH_TRY(gh_text_create(j->ctx, &j->dump));
   write_headers(j);
-  GH_TRY(write_files(j, false));
-  return cli_finish(j->ctx, walk(j), write_last, j);
+  gh_status status = walk(j);
+  status = cli_end_of_rows(status, j->rows);
+  return status == GH_INPUT ? status : cli_finish(j->ctx, status, write_last, j);
 }
 
 static int run(int argc, char **argv) {

@@ -3,6 +3,7 @@
 #include "granhom/io.h"
 #include "granhom/granhom.h"
 
+#include <fcntl.h>
 #include <signal.h>
 #include <stdlib.h>
 #include <string.h>
@@ -86,12 +87,14 @@ static int version(void) {
   return cli_close(ctx, status);
 }
 
-int main(int argc, char **argv) {
-  signal(SIGXFSZ, SIG_IGN); /* a file that grows too large is an error of write(), with a message */
-  if (argc < 2) {
-    print_help(stderr);
-    return 2;
-  }
+/* Standard streams that the caller has closed: files that are opened later must not get their numbers, and
+ * what is printed must fail. */
+static void streams_open(void) {
+  for (int fd = 0; fd <= 2; fd++)
+    if (fcntl(fd, F_GETFD) == -1 && open("/dev/null", fd == 2 ? O_WRONLY : O_RDONLY) != fd) return;
+}
+
+static int command_run(int argc, char **argv) {
   const char *word = argv[1];
   if (strcmp(word, "help") == 0 || strcmp(word, "--help") == 0 || strcmp(word, "-h") == 0)
     return help(argc - 1, argv + 1);
@@ -100,11 +103,19 @@ int main(int argc, char **argv) {
   if (!command) return unknown(word);
   if (argc > 2 && (strcmp(argv[2], "--help") == 0 || strcmp(argv[2], "-h") == 0))
     return help(2, (char *[]){argv[2], argv[1], NULL});
-  int code = command->run(argc - 1, argv + 1);
-  if (fflush(stdout) != 0 || ferror(stdout)) {
-    if (code == 0)
-      fprintf(stderr, "granhom: standard output cannot be written\n"); /* else it has been told */
-    return code ? code : 1;
+  return command->run(argc - 1, argv + 1);
+}
+
+int main(int argc, char **argv) {
+  streams_open();
+  signal(SIGXFSZ, SIG_IGN); /* a file that grows too large is an error of write(), with a message */
+  if (argc < 2) {
+    print_help(stderr);
+    return 2;
   }
-  return code;
+  int code = command_run(argc, argv);
+  if (fflush(stdout) == 0 && !ferror(stdout)) return code;
+  if (code == 0)
+    fprintf(stderr, "granhom: standard output cannot be written\n"); /* else it has been reported */
+  return code ? code : 1;
 }

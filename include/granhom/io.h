@@ -77,6 +77,9 @@ gh_status gh_temp_create(gh_context *ctx, const char *path, gh_temp **temp);
 const char *gh_temp_name(const gh_temp *temp);
 gh_status gh_temp_commit(gh_temp **temp); /* *temp is destroyed, also when this fails */
 void gh_temp_destroy(gh_temp **temp);
+/* GH_SYSTEM when path could not be written, which is tried with a file beside it that is removed again: what
+ * a long computation would find at its end. */
+gh_status gh_file_writable(gh_context *ctx, const char *path);
 /* Makes a folder (and its parents). GH_INPUT when path is a file, GH_SYSTEM otherwise. */
 gh_status gh_folder_make(gh_context *ctx, const char *path);
 /* Whether there is something of this name; a link that leads nowhere is nothing. GH_SYSTEM when the system
@@ -84,10 +87,10 @@ gh_status gh_folder_make(gh_context *ctx, const char *path);
 gh_status gh_file_there(gh_context *ctx, const char *path, bool *there);
 /* Removes a file that may be missing. GH_SYSTEM: it is still there. */
 gh_status gh_file_remove(gh_context *ctx, const char *path);
-/* Makes a folder, as above, and becomes the only one who writes into it, until gh_lock_destroy or the end of the
- * process, whatever ends it. GH_SYSTEM: another process does already (its host and number are in the message);
- * nothing was changed then. A file .lock in the folder tells of it; folders that were made for the lock and
- * stay empty are removed with it. Who only reads needs no lock. */
+/* Makes a folder, as above, and becomes the only one who writes into it, until gh_lock_destroy or the end of
+ * the process, whatever ends it. GH_SYSTEM: another process does already (its host and number are in the
+ * message); nothing was changed then. A file .lock in the folder tells of it; folders that were made for the
+ * lock and stay empty are removed with it. Who only reads needs no lock. */
 typedef struct gh_lock gh_lock;
 gh_status gh_lock_create(gh_context *ctx, const char *folder, gh_lock **lock);
 void gh_lock_destroy(gh_lock **lock);

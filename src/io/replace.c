@@ -240,6 +240,15 @@ void gh_temp_destroy(gh_temp **temp) {
   *temp = NULL;
 }
 
+gh_status gh_file_writable(gh_context *ctx, const char *path) {
+  gh_temp t;
+  int reason = temp_open(ctx, path, &t);
+  if (!reason && t.there && !S_ISREG(t.old.st_mode)) reason = access(path, W_OK) == 0 ? 0 : errno;
+  else if (!reason) reason = open_named(&t);
+  temp_close(&t);
+  return reason ? cannot_write(ctx, path, reason) : GH_OK;
+}
+
 /* ---- bytes ---- */
 
 static int bytes_write(gh_temp *t, const void *bytes, size_t length, bool named) {

@@ -109,7 +109,7 @@ static double fraction_of(const growth *g) {
 }
 
 /* Between two syncs: true when a stop rule holds. */
-static bool stops(const growth *g, course *c, gh_grow_stop *stop) {
+static bool stops(growth *g, course *c, gh_grow_stop *stop) {
   double fraction = fraction_of(g);
   snprintf(c->label, sizeof c->label, "volume fraction %.5f", fraction);
   gh_work_advance(g->ctx, &c->work, g->collisions);
@@ -126,7 +126,7 @@ static bool stops(const growth *g, course *c, gh_grow_stop *stop) {
     c->window_begin = g->collisions, c->window_fraction = fraction;
   }
   *stop = GH_STOP_TIME;
-  return c->o->seconds > 0 && gh_seconds() - c->begin > c->o->seconds;
+  return growth_late(g);
 }
 
 /* After a sync: the growth rate for the density, the memory in order. */
@@ -146,9 +146,7 @@ static gh_status run(growth *g, course *c, gh_grow_stop *stop) {
     GH_TRY(settle(g, c));
     double end = (c->target - g->s0) / g->rate;
     double most = fmin(g->collisions + c->sync, c->window_begin + ceil(c->o->window * g->n));
-    /* in pieces, so that the clock is looked at */
-    while (g->collisions < most && g->now < end)
-      GH_TRY(growth_run2(g, end, fmin(most, g->collisions + 10000)));
+    GH_TRY(growth_run2(g, end, most));
     if (!(fraction_of(g) < 1.01))
       return gh_fail(g->ctx, GH_INTERNAL, "packing: grown past the volume fraction 1");
   } while (!stops(g, c, stop));
@@ -187,6 +185,9 @@ failed:
 static gh_status finish(growth *g, gh_grow_result *r) {
   double smallest = INFINITY, largest = 0;
   GH_TRY(growth_sync2(g));
+  if (!(g->s0 > 0))
+    return gh_fail(g->ctx, GH_DIVERGED,
+                   "packing: the time limit was reached before the grains began to grow");
   GH_TRY(growth_list_all2(g));
   double scale = growth_scale2(g);
   for (int i = 0; i < g->n; i++) {
@@ -205,6 +206,7 @@ static gh_status grow(growth *g, const gh_grow_options *o, gh_grow_result *r) {
   course c = {.o = o, .begin = gh_seconds()};
   for (int i = 0; i < g->n; i++) c.mean += g->grain[i].a / g->n;
   g->collision = o->collision;
+  g->deadline = o->seconds > 0 ? c.begin + o->seconds : INFINITY;
   c.target = o->volume_fraction > 0 ? pow(o->volume_fraction, 1.0 / DIM) : INFINITY;
   GH_TRY(check_room(g, o->volume_fraction > 0 ? o->volume_fraction : RANDOM_FRACTION));
   scatter(g, o->seed);

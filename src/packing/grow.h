@@ -87,7 +87,14 @@ typedef struct growth {
   gh_collision collision;
   double s0, rate, now;
   double collisions, leaves, checks;
+  double deadline; /* gh_seconds() at which growth shall stop; INFINITY: never */
+  bool late;       /* it has come */
 } growth;
+
+static inline bool growth_late(growth *g) {
+  g->late = g->late || gh_seconds() >= g->deadline;
+  return g->late;
+}
 
 /* Cost of making a list, in entries looked at by predictions (about 10 ns each). */
 static inline double growth_list_cost(const list *a) {
@@ -106,8 +113,8 @@ gh_status growth_list_all2(growth *g);
 gh_status growth_order2(growth *g);
 
 /* ---- grow_events.c ---- */
-/* Handles events up to the time `end` or until there were `collisions` in all. GH_INTERNAL: an event in the
- * past. */
+/* Handles events up to the time `end`, until there were `collisions` in all, or until the deadline (g->late).
+ * GH_INTERNAL: an event in the past. */
 gh_status growth_run2(growth *g, double end, double collisions);
 /* Brings all clocks to g->now and calls that time 0; takes the mean velocity out, sets its root mean square
  * to 1; all events become checks. GH_INTERNAL when a number is not finite. */

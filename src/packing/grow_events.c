@@ -3,6 +3,7 @@
 #include "packing/grow.h"
 
 enum {
+  LOOK_AT_CLOCK = 4096, /* events, some milliseconds */
   TOO_MUCH = 8
 }; /* work over the cost of a list after which a grain that never leaves gets a thinner hull */
 
@@ -114,8 +115,9 @@ static gh_status handle_collision(growth *g, int i) {
 }
 
 gh_status growth_run2(growth *g, double end, double collisions) {
-  while (g->collisions < collisions) {
+  for (unsigned events = 0; g->collisions < collisions; events++) {
     int i = g->queue.slot[0].i;
+    if (events % LOOK_AT_CLOCK == LOOK_AT_CLOCK - 1 && growth_late(g)) return GH_OK;
     double t = g->event[i].when;
     if (!(t >= g->now))
       return gh_fail(g->ctx, GH_INTERNAL, "packing: an event of grain %d at %.17g lies before %.17g", i + 1,
