@@ -283,7 +283,7 @@ badplot 'a point that is not recorded' 'integration point 99 is not recorded' go
 badplot 'a point that is no number' "'x' is no number" good --point x
 cp -r good cut
 head -c 3000 good/results.h5 >cut/results.h5
-badplot 'a truncated file of results' 'cut/results.h5: cannot open it' cut
+badplot 'a truncated file of results' 'cut/results.h5: is damaged' cut
 echo '{' >cut/run.json
 badplot 'a broken run.json' 'cut/run.json: is no JSON' cut
 
