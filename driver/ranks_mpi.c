@@ -56,6 +56,7 @@ gh_status cli_mpi(gh_context *ctx, bool single) {
   int begun = 0, ranks = 1;
   MPI_Initialized(&begun);
   if (!begun) {
+    gh_h5_start();
     start_alone();
     if (MPI_Init(NULL, NULL) != MPI_SUCCESS) return gh_fail(ctx, GH_SYSTEM, "MPI cannot be started");
     atexit(finalize);

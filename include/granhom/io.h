@@ -151,6 +151,9 @@ void gh_yaml_print(gh_yaml_node node, gh_text *out);
 typedef struct gh_h5 gh_h5;
 /* false: built without HDF5 (make HDF5=0). Then gh_h5_open and gh_h5_read fail, GH_INPUT, and say so. */
 bool gh_h5_available(void);
+/* For programs that use MPI, before MPI_Init: otherwise HDF5 hangs itself on MPI_Finalize, and what a failure has
+ * left open there ends the program. Nothing else needs it. */
+void gh_h5_start(void);
 /* Opens a file for change, with what path holds when it exists and append is true. It is kept in memory until
  * gh_h5_commit puts it into place as a text is: HDF5 1.10 itself does not survive a full disk. A dataset that
  * is put again is replaced.
