@@ -5,6 +5,7 @@
 #   make bench    times of one RVE update and of the farm;   make asan / make valgrind   the tests under the checkers
 #   make fuzz     an hour of random inputs for all readers and of mutated scripts, scenes and studies (FUZZ_SECONDS, FUZZ_JOBS,
 #                 FUZZ_SEED, FUZZ_ONLY="gmsh scene"), on a build with sanitizers; findings are kept in build-fuzz/findings
+#   make faults   every allocation and every call on files fails once: run, rve, element, pack, report ... (SAMPLE=N: N points a row)
 #   make extreme  the cases of docs/stability.md, the long ones too, and its table
 #   make study    tables and pictures of docs/error-vs-time.md (hours); make study QUICK=1 (minutes)
 #   make format   clang-format over all sources
@@ -147,6 +148,12 @@ verification:
 	@scripts/install-packages.sh check
 	@$(MAKE) --no-print-directory -j$$(nproc) all $(BUILD)/tests/verify/test_rve_cases
 	@scripts/block-study.sh $(BUILD)
+# Calls that fail (docs/architecture.md, "Failing calls"); a sample of it is in make check.
+.PHONY: faults
+faults:
+	@scripts/install-packages.sh check
+	@$(MAKE) --no-print-directory -j$$(nproc) all
+	@BUILD=$(BUILD) tests/faults/run.sh
 # The table of docs/stability.md: some minutes.
 .PHONY: extreme
 extreme:

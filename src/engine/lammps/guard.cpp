@@ -20,6 +20,7 @@
 #include "exceptions.h"
 #endif
 
+#include <atomic>
 #include <cstdarg>
 #include <cstdio>
 #include <cstdlib>
@@ -70,15 +71,31 @@ std::string kept_error(void *lmp) {
   return message_of(text);
 }
 
+/* An allocation has failed within LAMMPS. What it has left half made cannot be destroyed: from then on the
+ * program, which ends for it, closes no instance any more. */
+std::atomic<bool> memory_failed{false};
+
+gh_status no_memory(gh_context *ctx, const char *what, const char *reason) {
+  memory_failed = true;
+  return gh_fail(ctx, GH_MEMORY, "LAMMPS (%s): out of memory%s%s", what, *reason ? ": " : "", reason);
+}
+
+bool tells_of_memory(const std::string &message) {
+  return message.find("Failed to allocate") != std::string::npos ||
+         message.find("Failed to reallocate") != std::string::npos;
+}
+
 template <typename Call> gh_status guarded(gh_context *ctx, void *lmp, const char *what, Call call) {
   try {
     gh_status status = call();
     std::string error = kept_error(lmp);
     return error.empty() ? status : gh_fail(ctx, GH_ENGINE, "LAMMPS (%s): %s", what, error.c_str());
   } catch (const std::bad_alloc &) {
-    return gh_fail(ctx, GH_MEMORY, "LAMMPS (%s): out of memory", what);
+    return no_memory(ctx, what, "");
   } catch (const std::exception &e) {
-    return gh_fail(ctx, GH_ENGINE, "LAMMPS (%s): %s", what, message_of(e.what()).c_str());
+    const std::string message = message_of(e.what());
+    if (tells_of_memory(message)) return no_memory(ctx, what, message.c_str());
+    return gh_fail(ctx, GH_ENGINE, "LAMMPS (%s): %s", what, message.c_str());
   } catch (const granhom::lammps_quit &q) {
     return gh_fail(ctx, GH_ENGINE, "LAMMPS (%s) ended with status %d", what, q.status);
   }
@@ -140,7 +157,7 @@ int gh_lmp_version(gh_context *ctx, void *lmp) {
 }
 
 void gh_lmp_close(void **lmp) {
-  if (!lmp || !*lmp) return;
+  if (!lmp || !*lmp || memory_failed) return;
   guarded(nullptr, nullptr, "close", [&] {
     lammps_close(*lmp);
     return GH_OK;

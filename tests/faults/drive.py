@@ -1,0 +1,401 @@
+#!/usr/bin/python3
+"""One command of granhom with every allocation and every call on files failing, one at a time.
+
+drive.py GRANHOM LIBRARY CASE KIND FLAVOUR [--sample N SEED] [--point K]
+
+Each point: no crash, no hang; exit 0 with the files of the undisturbed run, or exit 1 with one message, with
+what was on disk before still there or complete, and nothing temporary left. Commands that can go on then do
+so and give the files of the undisturbed run. Prints what failed, and a last line for the table of run.sh.
+SPDX-License-Identifier: GPL-2.0-or-later
+"""
+import io
+import os
+import random
+import re
+import shutil
+import socket
+import struct
+import subprocess
+import sys
+import tempfile
+
+import h5py
+
+HERE = os.path.dirname(os.path.abspath(__file__))
+PACKING = os.path.join(HERE, "../data/cases/packings/p20.data")
+LIMIT = 20  # seconds of one run
+THEIRS = "(theirs) "  # a library does not check its own allocation, and crashes
+
+SCENE = """title: faults
+packing: p.data
+contact: {normal_stiffness: 50}
+micro: {boundary: taylor-cell, engine: ENGINE}
+start: {confinement: 0.3}
+mesh: {rectangle: {size: [10, 10], elements: [1, 1]}}
+supports: [{edge: left, fix: x}, {edge: bottom, fix: y}]
+steps:
+  - {name: press, increments: 1, pressure: [{edge: right, to: 0.32}, {edge: top, to: 0.31}]}
+  - {name: shear, increments: 2, displace: [{edge: top, x: 0.01}]}
+results: {dump: [0], rves: all}
+"""
+STUDY = """title: faults
+rve:
+  packing: p.data
+  contact: {normal_stiffness: 50}
+  micro: {boundary: taylor-cell, engine: native}
+  path: {legs: [{to: [0.999, 0, 0, 1], increments: 2}]}
+vary:
+  micro.tolerance: [1e-2, 1e-4]
+reference: {set: {micro.tolerance: 1e-10}}
+"""
+INPUTS = {
+    "path.csv": "step,F11,F12,F21,F22\n0,1,0,0,1\n1,0.999,0,0,1.001\n",
+    "control.yaml": "steps:\n  - {name: press, increments: 2, control: {s11: -0.4, s22: -0.4, s12: 0}}\n",
+    "sieve.csv": "diameter,count\n0.25,4\n0.32,8\n",
+    "s.yaml": SCENE.replace("ENGINE", "native"),
+    "sl.yaml": SCENE.replace("ENGINE", "lammps").replace("taylor-cell", "restricted").replace("increments: 2", "increments: 1"),
+    "study.yaml": STUDY,
+}
+RVE = "rve p.data --path path.csv --boundary restricted --friction-angle 20 -o out/o.csv --tangent out/t.csv --dump out/d --save-state out/s.h5"
+
+
+class Case:
+    """words: the command; before: what makes its folder; again: the command that goes on after a failure; old: results that an
+    earlier command has left, each of which stays or is replaced as a whole (or by its first lines)."""
+
+    def __init__(self, words, before=(), again=None, old=(), ranks=1, half=False):
+        self.words, self.before, self.again, self.old, self.ranks, self.half = words, before, again, old, ranks, half
+
+
+CASES = {
+    "run": Case("run s.yaml -o out --quiet", again="run s.yaml -o out --quiet --restart"),
+    "run-lammps": Case("run sl.yaml -o out --quiet", again="run sl.yaml -o out --quiet --restart"),
+    "restart": Case("run s.yaml -o out --quiet --restart", before=["run s.yaml -o out --quiet"], half=True,
+                    again="run s.yaml -o out --quiet --restart"),
+    "rve": Case(RVE + " --engine native", old=("o.csv", "t.csv", "d")),
+    "rve-lammps": Case("rve p.data --path path.csv --boundary periodic -o out/o.csv", old=("o.csv",)),
+    "rve-stdout": Case("rve p.data --path path.csv --boundary taylor-cell --engine native --tangent -"),
+    "load": Case("rve p.data --path path.csv --engine native --boundary taylor-cell --load-state out/s.h5 -o out/o.csv",
+                 before=["rve p.data --path path.csv --engine native --boundary taylor-cell --save-state out/s.h5 -o out/1.csv"],
+                 old=("o.csv",)),
+    "element": Case("element p.data --control control.yaml --engine native --boundary restricted --normal-stiffness 50 -o out/o.csv",
+                    old=("o.csv",)),
+    "pack": Case("pack --sieve sieve.csv --rate 0.05 -o out/o.data --finish overlap=0.01 --picture out/o.png", old=("o.data", "o.png")),
+    "report": Case("report out -o out/page.html", before=["run s.yaml -o out --quiet"], old=("page.html",)),
+    "plot": Case("plot out", before=["run s.yaml -o out --quiet"], old=("mesh.png", "rve.png", "curves.png", "convergence.png")),
+    "study": Case("study study.yaml -o out --quiet", again="study study.yaml -o out --quiet"),
+    "explain": Case("run s.yaml --explain"),
+    "run-ranks": Case("run s.yaml -o out --quiet", again="run s.yaml -o out --quiet --restart", ranks=2),
+    "study-ranks": Case("study study.yaml -o out --quiet", again="study study.yaml -o out --quiet", ranks=2),
+}
+
+
+# ---- running ----
+
+
+class Server:
+    """granhom with the library; forks for each order."""
+
+    def __init__(self, granhom, library, words, folder):
+        ours, theirs = socket.socketpair()
+        env = dict(os.environ, LD_PRELOAD=library, FAULT_FD=str(theirs.fileno()), TMPDIR=folder + ".tmp",
+                   OMP_NUM_THREADS="1", OMPI_MCA_opal_signal="", OPENBLAS_NUM_THREADS="1")
+        self.process = subprocess.Popen([granhom] + words.split(), env=env, pass_fds=[theirs.fileno()])
+        theirs.close()
+        self.file = ours.makefile("rw")
+        self.socket, self.folder = ours, folder
+
+    def order(self, kind="none", flavour="hard", point=0):
+        self.file.write(f"{self.folder} {kind} {flavour} {point} {LIMIT}\n")
+        self.file.flush()
+        status, points, met, caller, crash, what = self.file.readline().rstrip("\n").split(" ", 5)
+        if caller == crash != "-":
+            what = THEIRS + what
+        return int(status), int(points), met == "1", what
+
+
+class Ranks:
+    """granhom under mpirun; the point is one of the given rank."""
+
+    def __init__(self, granhom, library, words, folder, ranks, rank):
+        self.granhom, self.library, self.words, self.folder, self.ranks, self.rank = granhom, library, words, folder, ranks, rank
+
+    def order(self, kind="none", flavour="hard", point=0):
+        answer = self.folder + ".answer"
+        env = dict(os.environ, TMPDIR=self.folder + ".tmp", OMP_NUM_THREADS="1", OMPI_MCA_opal_signal="", OPENBLAS_NUM_THREADS="1", FAULT_RANK=str(self.rank),
+                   FAULT_ORDER=f"{self.folder} {kind} {flavour} {point} {LIMIT}", FAULT_ANSWER=answer)
+        words = ["timeout", "-k", "2", str(LIMIT), "mpirun", "--oversubscribe", "-n", str(self.ranks), "env", "LD_PRELOAD=" + self.library,
+                 self.granhom] + self.words.split()
+        with open(self.folder + ".out", "wb") as out, open(self.folder + ".err", "wb") as err:
+            status = subprocess.run(words, env=env, cwd=self.folder, stdin=subprocess.DEVNULL, stdout=out, stderr=err, check=False).returncode
+        with open(answer, "rb") as file:
+            points, met, what, caller, crash = (word.split(b"\0")[0] if isinstance(word, bytes) else word
+                                                for word in struct.unpack_from("li200s64s64s", file.read(340)))
+        if status < 0:
+            status = 128 - status
+        return status, points, met == 1, (THEIRS if crash and caller == crash else "") + what.decode()
+
+
+# ---- what is on disk ----
+
+
+def files_read(folder):
+    found = {}
+    for root, _, names in os.walk(folder):
+        for name in names:
+            path = os.path.join(root, name)
+            with open(path, "rb") as file:
+                found[os.path.relpath(path, folder)] = file.read()
+    return found
+
+
+def text_pieces(data):
+    """Words of a text, without the columns that count seconds."""
+    rows = data.split(b"\n")
+    names = rows[0].split(b",")
+    drop = {k for k, name in enumerate(names) if b"seconds" in name}
+    if drop and len(names) > 1:
+        rows = [b",".join(word for k, word in enumerate(row.split(b",")) if k not in drop) for row in rows]
+    text = re.sub(rb"[-+.e0-9]+ (s|ms|min)\b", b"TIME", b"\n".join(rows))
+    text = re.sub(rb"20\d\d-\d\d-\d\dT[\d:]+Z", b"TIME", text)
+    return re.split(rb"([\s,;:<>\"=()]+)", text)
+
+
+def hdf5_pieces(data):
+    """Names, sizes and values of all datasets."""
+    found = []
+    with h5py.File(io.BytesIO(data), "r") as file:
+        def visit(name, item):
+            if not isinstance(item, h5py.Dataset) or "seconds" in name:
+                return
+            value = item[()]
+            found.extend([name, str(item.shape), str(item.dtype)])
+            if isinstance(value, (bytes, str)):
+                found.extend(text_pieces(value if isinstance(value, bytes) else value.encode()))
+            elif name.startswith("text/"):
+                found[-2:] = text_pieces(value.tobytes()[8:].strip(b"\0"))
+            else:
+                raw = value.tobytes()
+                found.extend(raw[k:k + 8] for k in range(0, len(raw), 8))
+        file.visititems(visit)
+    return found
+
+
+def pieces(data):
+    """What is compared one by one."""
+    if b"\x89HDF\r\n" in data[:4096]:
+        try:
+            return hdf5_pieces(data)
+        except Exception as wrong:  # whatever HDF5 makes of a broken file
+            return ["broken: " + str(wrong)]
+    return [data] if b"\0" in data else text_pieces(data)
+
+
+class Reference:
+    """Files of several undisturbed runs: pieces in which these differ (seconds) are not compared."""
+
+    def __init__(self, runs):
+        self.pieces = {}
+        for name in runs[0]:
+            ways = [pieces(run.get(name, b"")) for run in runs]
+            if len({len(way) for way in ways}) > 1:
+                self.pieces[name] = None  # its length depends on the time
+            else:
+                self.pieces[name] = [way[0] if len(set(way)) == 1 else None for way in zip(*ways)]
+
+    def same(self, name, data):
+        wanted = self.pieces.get(name)
+        if wanted is None:
+            return bool(data)
+        found = pieces(data)
+        if len(found) != len(wanted):
+            self.why = f"{len(found)} pieces instead of {len(wanted)}"
+            return False
+        apart = [(w, f) for w, f in zip(wanted, found) if w is not None and w != f]
+        self.why = f"{apart[0][1]} instead of {apart[0][0]}" if apart else ""
+        return not apart
+
+    def begins(self, name, data):
+        """Whole lines from the start of the file of a whole run."""
+        found, wanted = pieces(data), self.pieces.get(name)
+        if not data.endswith(b"\n") or wanted is None:
+            return False
+        found = found[:-1]
+        return len(found) <= len(wanted) and all(w is None or w == f or "\n" in str(f) for w, f in zip(wanted, found))
+
+    def difference(self, found):
+        """Name of a file that is missing, wrong or too much."""
+        for name in self.pieces:
+            if name not in found:
+                return "missing: " + name
+            if not self.same(name, found[name]):
+                return f"wrong: {name}: {self.why}"
+        return None
+
+    def surplus(self, found):
+        extra = [name for name in found if name not in self.pieces]
+        return "left: " + extra[0] if extra else None
+
+
+# ---- one command ----
+
+
+class Drive:
+    def __init__(self, granhom, library, case, kind, flavour, rank):
+        self.case, self.kind, self.flavour = case, kind, flavour
+        base = "/dev/shm" if os.access("/dev/shm", os.W_OK) else None
+        self.top = tempfile.mkdtemp(prefix="granhom-faults-", dir=base)
+        self.folder, self.start = self.top + "/work", self.top + "/start"
+        os.mkdir(self.start)
+        os.mkdir(self.start + "/out")
+        shutil.copy(PACKING, self.start + "/p.data")
+        for name, text in INPUTS.items():
+            with open(f"{self.start}/{name}", "w", encoding="ascii") as file:
+                file.write(text)
+        if case.ranks > 1:
+            self.make = lambda words: Ranks(granhom, library, words, self.folder, case.ranks, rank)
+        else:
+            self.make = lambda words: Server(granhom, library, words, self.folder)
+        self.servers = {}
+        for words in case.before:
+            self.prepare(words)
+        self.reference = self.measure()
+        for name in case.old:
+            with open(f"{self.start}/out/{name}", "w", encoding="ascii") as file:
+                file.write("old\n")
+
+    def server(self, words):
+        if words not in self.servers:
+            self.servers[words] = self.make(words)
+        return self.servers[words]
+
+    def clean(self):
+        shutil.rmtree(self.folder, ignore_errors=True)
+        shutil.rmtree(self.folder + ".tmp", ignore_errors=True)
+        shutil.copytree(self.start, self.folder)
+        os.mkdir(self.folder + ".tmp")
+
+    def prepare(self, words):
+        """Leaves in `start` what a command makes; with `half`, of one whose disk fails after two thirds of its calls."""
+        self.clean()
+        status, points, _, _ = self.server(words).order("io", "hard", 0)
+        assert status == 0, self.words_read(".err")
+        if self.case.half:
+            for k in range(points * 2 // 3, points):
+                self.clean()
+                status = self.server(words).order("io", "hard", k)[0]
+                if status == 1 and os.path.exists(self.folder + "/out/checkpoint.h5"):
+                    break
+            assert status == 1, self.words_read(".err")
+        shutil.rmtree(self.start)
+        shutil.copytree(self.folder, self.start)
+
+    def words_read(self, end):
+        with open(self.folder + end, "rb") as file:
+            return file.read().decode(errors="replace")
+
+    def look(self):
+        found = files_read(self.folder)
+        found["(stdout)"] = self.words_read(".out").encode()
+        found.update({"(temporary) " + name: data for name, data in files_read(self.folder + ".tmp").items() if "ompi." not in name})
+        return found
+
+    def measure(self):
+        runs = []
+        for _ in range(4):
+            self.clean()
+            status = self.server(self.case.words).order()[0]
+            assert status == 0, (status, self.words_read(".err"))
+            runs.append(self.look())
+        return Reference(runs)
+
+    def message(self):
+        """What is wrong with the words of a run that failed."""
+        lines = [line for line in self.words_read(".err").split("\n") if re.match("granhom[: ]", line)]
+        if len(lines) != 1:
+            return f"{len(lines)} messages"
+        if re.search("not valid|malformed|not an? HDF5", lines[0]):
+            return "blames the input: " + lines[0]
+        return None
+
+    def verdict(self, status, what):
+        if status not in (0, 1):
+            return "hang" if status == 124 else f"exit {status}: " + " | ".join(self.words_read(".err").split("\n")[-3:])
+        found = self.look()
+        left = None if re.match("unlink|remove|rmdir", what) else self.reference.surplus(found)
+        if status == 0:
+            return left or self.reference.difference(found)
+        wrong = left or self.message()
+        for name in self.case.old:
+            data = found.get("out/" + name)
+            if data not in (b"old\n", b"") and (data is None or not (self.reference.same("out/" + name, data) or self.reference.begins("out/" + name, data))):
+                wrong = wrong or "neither old nor new: " + name
+        return wrong or self.go_on()
+
+    def go_on(self):
+        """The same results when the command is given again. Files that tell how it went, and when, differ."""
+        if not self.case.again:
+            return None
+        status = self.server(self.case.again).order()[0]
+        if status != 0:
+            return f"afterwards exit {status}: " + self.words_read(".err").strip().split("\n")[-1]
+        found = self.look()
+        for name, data in found.items():
+            if re.search(r"run\.json$|timing\.csv$|checkpoint\.h5$|study\.(md|json)$|\(stdout\)", name):
+                continue
+            if name in self.reference.pieces and not self.reference.same(name, data):
+                return f"afterwards wrong: {name}: {self.reference.why}"
+        missing = [name for name in self.reference.pieces if name not in found]
+        return "afterwards missing: " + missing[0] if missing else self.reference.surplus(found)
+
+    def points(self):
+        """Number of points, and those to go through: of allocations that the same calls lead to, the first, the second and the last."""
+        server = self.server(self.case.words)
+        if self.case.ranks > 1 or self.kind == "io":
+            count = server.order(self.kind, self.flavour, 0)[1]
+            return count, range(1, count + 1)
+        count = server.order(self.kind, self.flavour, -1)[1]
+        with open(self.folder + ".paths", "rb") as file:
+            sums = struct.iter_unpack("I", file.read())
+        where = {}
+        for k, (path,) in enumerate(sums, 1):
+            where.setdefault(path, []).append(k)
+        return count, sorted({k for points in where.values() for k in points[:2] + points[-1:]})
+
+    def point(self, k):
+        self.clean()
+        status, _, met, what = self.server(self.case.words).order(self.kind, self.flavour, k)
+        return status, what, self.verdict(status, what) if met else "never met"
+
+
+def main():
+    granhom, library, name, kind, flavour = sys.argv[1:6]
+    rest = sys.argv[6:]
+    case, rank = CASES[name.split("@")[0]], int(name.split("@")[1]) if "@" in name else 0
+    drive = Drive(granhom, library, case, kind, flavour, rank)
+    try:
+        drive.clean()
+        count, points = drive.points()
+        if rest and rest[0] == "--point":
+            points = [int(word) for word in rest[1:]]
+        elif rest:
+            few = int(rest[1])
+            points = sorted(random.Random(f"{rest[2]} {name} {kind} {flavour}").sample(points, few)) if few < len(points) else points
+        codes, failed, theirs = {0: 0, 1: 0}, 0, 0
+        for k in points:
+            status, what, wrong = drive.point(k)
+            codes[status] = codes.get(status, 0) + 1
+            if what.startswith(THEIRS):
+                theirs += 1
+            elif wrong:
+                failed += 1
+                print(f"{name} {kind} {flavour} {k}: {what}: exit {status}: {wrong}", flush=True)
+            elif rest and rest[0] == "--point":
+                print(f"{name} {kind} {flavour} {k}: {what}: exit {status}\n{drive.words_read('.err')}", flush=True)
+        print(f"table {name:12} {kind:4} {flavour:5} {count:7} {len(points):7} {codes[0]:7} {codes[1]:7} {theirs:7} {failed:7}", flush=True)
+    finally:
+        shutil.rmtree(drive.top, ignore_errors=True)
+
+
+if __name__ == "__main__":
+    main()
