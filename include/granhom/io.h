@@ -23,12 +23,25 @@ typedef struct gh_csv {
   char **names;  /* ncols */
   double *value; /* nrows x ncols */
   int *line;     /* nrows: line in the file */
+  bool *percent; /* ncols: in percent, by its unit or the signs behind its values */
 } gh_csv;
-/* "-" is standard input. Blank lines and lines that start with # are passed over; spaces around fields and CR
- * LF are allowed. An empty field is an error. */
+/* "-" is standard input. Blank lines and lines that start with # are passed over, as are rows of empty
+ * fields; spaces around fields are allowed. Columns are separated by commas, semicolons, tabs or blanks, as
+ * the header and the first row agree, and fields may be quoted. With a decimal comma in one field there is no
+ * decimal point in any, and between digits in threes it must not be one of thousands. A last comment before
+ * rows without a header is the header. The row behind the header may have units. Trailing separators are
+ * dropped. An empty field is an error, as are percent signs and units of percent. */
 gh_status gh_csv_read(gh_context *ctx, const char *path, gh_csv **csv);
+enum { GH_CSV_PERCENT = 1 /* percent is allowed */, GH_CSV_PAN = 2 /* the word "pan" stands for 0 */ };
+/* The same with what `flags` allow. */
+gh_status gh_csv_read_with(gh_context *ctx, const char *path, int flags, gh_csv **csv);
 void gh_csv_destroy(gh_csv **csv);
-int gh_csv_find(const gh_csv *csv, const char *name); /* column, -1 when there is none */
+/* Column of that name, else the one that has it before a unit in brackets ("d [mm]"), unless that is percent;
+ * -1 when there is none. */
+int gh_csv_find(const gh_csv *csv, const char *name);
+/* Length of a column's name without a unit in [] or () at its end; *unit: where that begins, NULL for none.
+ */
+size_t gh_csv_bare(const char *name, const char **unit);
 
 /* ---- LAMMPS data files, atom_style sphere ---- */
 
@@ -36,13 +49,16 @@ typedef struct gh_lammps_data {
   int natoms, ntypes;
   double low[3], high[3];         /* xlo xhi ... */
   double xy, xz, yz;              /* tilt */
+  bool general;                   /* a general triclinic cell: `cell` holds, and low is its origin */
+  double cell[4];                 /* columns a and b of a general cell in the plane */
   int *id, *type, *line;          /* natoms; line of the file */
   double *diameter, *density, *x; /* natoms; x is natoms x 3 */
 } gh_lammps_data;
-/* Reads header, box, Atoms (id type diameter density x y z, with or without three image flags); other
- * sections (Masses, Velocities) are passed over. Errors: missing file, truncated (fewer atoms than the header
- * says), empty, a number that is none or not finite, unknown atom style in "Atoms # style", type out of
- * range, low >= high. Meaning of the values (radius, ids, z) is checked by the packing. */
+/* Reads header, box (also general triclinic ones, if a and b lie in the plane), Atoms (id type diameter
+ * density x y z, or of style hybrid sphere; with or without three image flags), Atom Type Labels. Masses,
+ * Velocities and coefficients are passed over. Errors: missing file, truncated (fewer atoms than the header
+ * says), empty, a number that is none or not finite, another atom style in "Atoms # style", bonds and shapes,
+ * type out of range, low >= high. Meaning of the values (radius, ids, z) is checked by the packing. */
 gh_status gh_lammps_data_read(gh_context *ctx, const char *path, gh_lammps_data **data);
 gh_status gh_lammps_data_write(gh_context *ctx, const char *path, const char *title,
                                const gh_lammps_data *data);

@@ -93,6 +93,7 @@ static gh_status fill(gh_context *ctx, const char *path, const gh_lammps_data *d
   p->cell[0] = d->high[0] - d->low[0];
   p->cell[1] = d->xy;
   p->cell[3] = d->high[1] - d->low[1];
+  if (d->general) memcpy(p->cell, d->cell, sizeof p->cell);
   memcpy(p->low, d->low, sizeof p->low);
   if (d->xz != 0 || d->yz != 0)
     return gh_fail(ctx, GH_INPUT, "%s: xz = %g and yz = %g tilt the cell out of the plane", path, d->xz,

@@ -1,6 +1,5 @@
 /* Sieve curves: which grains a packing has (3.12, 3.13). SPDX-License-Identifier: GPL-2.0-or-later */
-#include "granhom/io.h"
-#include "granhom/packing.h"
+#include "packing/sieve.h"
 
 #include <limits.h>
 #include <stdlib.h>
@@ -18,47 +17,42 @@ void gh_sieve_destroy(gh_sieve **sieve) {
 
 /* ---- reading ---- */
 
-/* Where a row comes from, for messages: file and line, or the row's number. */
-typedef struct source {
-  gh_context *ctx;
-  const char *path;
-  const int *line;
-} source;
-
-static gh_status refuse(const source *s, int k, const char *what, double value, const char *limit) {
+gh_status gh_sieve_refuse(const gh_sieve_source *s, int k, const char *what, double value,
+                          const char *limit) {
   if (s->path)
     return gh_fail(s->ctx, GH_INPUT, "%s:%d: %s is %g, %s", s->path, s->line[k], what, value, limit);
   return gh_fail(s->ctx, GH_INPUT, "sieve curve, row %d: %s is %g, %s", k + 1, what, value, limit);
 }
 
-static gh_status refuse_curve(const source *s, const char *words, double value) {
+static gh_status refuse_curve(const gh_sieve_source *s, const char *words, double value) {
   return gh_fail(s->ctx, GH_INPUT, "%s: %s %g", s->path ? s->path : "sieve curve", words, value);
 }
 
-static gh_status check_rows(const source *s, gh_sieve_kind kind, int n, const double *d, const double *v) {
+static gh_status check_rows(const gh_sieve_source *s, gh_sieve_kind kind, int n, const double *d,
+                            const double *v) {
   static const char *const names[] = {"count", "volume_percent", "passing"};
   for (int k = 0; k < n; k++) {
-    if (!(d[k] > 0) || !isfinite(d[k])) return refuse(s, k, "diameter", d[k], "it must be positive");
+    if (!(d[k] > 0) || !isfinite(d[k])) return gh_sieve_refuse(s, k, "diameter", d[k], "it must be positive");
     if (k && !(n > 1 && (d[k] - d[k - 1]) * (d[1] - d[0]) > 0))
-      return refuse(s, k, "diameter", d[k], "the diameters must rise, or fall, from row to row");
-    if (!(v[k] >= 0)) return refuse(s, k, names[kind], v[k], "it must not be negative");
+      return gh_sieve_refuse(s, k, "diameter", d[k], "the diameters must rise, or fall, from row to row");
+    if (!(v[k] >= 0)) return gh_sieve_refuse(s, k, names[kind], v[k], "it must not be negative");
     if (kind == GH_SIEVE_COUNT && (v[k] != floor(v[k]) || v[k] > INT_MAX))
-      return refuse(s, k, "count", v[k], "it must be a whole number");
+      return gh_sieve_refuse(s, k, "count", v[k], "it must be a whole number");
     if (kind != GH_SIEVE_COUNT && v[k] > 100 + 1e-9)
-      return refuse(s, k, names[kind], v[k], "it must be at most 100 percent");
+      return gh_sieve_refuse(s, k, names[kind], v[k], "it must be at most 100 percent");
   }
   return GH_OK;
 }
 
 /* From rows in ascending order (row(k): index of the k-th in the input) to amounts. */
-static gh_status amounts(const source *s, gh_sieve *c, const double *v, bool falling) {
+static gh_status amounts(const gh_sieve_source *s, gh_sieve *c, const double *v, bool falling) {
   double sum = 0;
   for (int k = 0; k < c->n; k++) {
     int row = falling ? c->n - 1 - k : k, before = falling ? row + 1 : row - 1;
     double value = v[row];
     if (c->kind == GH_SIEVE_PASSING && k) {
       if (value < v[before])
-        return refuse(s, row, "passing", value, "it must not fall as the diameter grows");
+        return gh_sieve_refuse(s, row, "passing", value, "it must not fall as the diameter grows");
       value -= v[before];
     }
     c->amount[k] = value;
@@ -72,8 +66,8 @@ static gh_status amounts(const source *s, gh_sieve *c, const double *v, bool fal
   return GH_OK;
 }
 
-static gh_status create(const source *s, gh_sieve_kind kind, int n, const double *diameter,
-                        const double *value, gh_sieve **sieve) {
+gh_status gh_sieve_from_rows(const gh_sieve_source *s, gh_sieve_kind kind, int n, const double *diameter,
+                             const double *value, gh_sieve **sieve) {
   gh_sieve *c = NULL;
   *sieve = NULL;
   if (n < 1) return refuse_curve(s, "a sieve curve needs at least one row; it has", n);
@@ -95,44 +89,8 @@ failed:
 
 gh_status gh_sieve_create(gh_context *ctx, gh_sieve_kind kind, int n, const double *diameter,
                           const double *value, gh_sieve **sieve) {
-  source s = {.ctx = ctx};
-  return create(&s, kind, n, diameter, value, sieve);
-}
-
-static gh_status read_columns(gh_context *ctx, const char *path, const gh_csv *csv, double *memory,
-                              gh_sieve **sieve) {
-  static const char *const names[] = {"count", "volume_percent", "passing"};
-  int d = gh_csv_find(csv, "diameter"), v = -1, kind = 0;
-  if (d < 0) return gh_fail(ctx, GH_INPUT, "%s: a sieve curve needs the column 'diameter'", path);
-  for (int k = 0; k < 3; k++) {
-    int column = gh_csv_find(csv, names[k]);
-    if (column >= 0 && v >= 0)
-      return gh_fail(ctx, GH_INPUT, "%s: the columns '%s' and '%s' exclude each other", path, names[kind],
-                     names[k]);
-    if (column >= 0) v = column, kind = k;
-  }
-  if (v < 0)
-    return gh_fail(ctx, GH_INPUT,
-                   "%s: a sieve curve needs one of the columns 'count', 'volume_percent' and 'passing'",
-                   path);
-  for (int k = 0; k < csv->nrows; k++) {
-    memory[k] = csv->value[k * csv->ncols + d];
-    memory[csv->nrows + k] = csv->value[k * csv->ncols + v];
-  }
-  source s = {ctx, path, csv->line};
-  return create(&s, (gh_sieve_kind)kind, csv->nrows, memory, memory + csv->nrows, sieve);
-}
-
-gh_status gh_sieve_read(gh_context *ctx, const char *path, gh_sieve **sieve) {
-  gh_csv *csv;
-  double *memory;
-  *sieve = NULL;
-  GH_TRY(gh_csv_read(ctx, path, &csv));
-  gh_status status = gh_alloc(ctx, 2 * (size_t)csv->nrows, sizeof(double), &memory);
-  if (status == GH_OK) status = read_columns(ctx, path, csv, memory, sieve);
-  free(memory);
-  gh_csv_destroy(&csv);
-  return status;
+  gh_sieve_source s = {.ctx = ctx};
+  return gh_sieve_from_rows(&s, kind, n, diameter, value, sieve);
 }
 
 /* ---- numbers of grains ---- */

@@ -89,14 +89,19 @@ static gh_status read_legs(gh_context *ctx, node legs, long refine, study_path *
 
 /* ---- a file ---- */
 
-static gh_status row_of(gh_context *ctx, const gh_csv *csv, const char *file, int row, double F[4]) {
+static gh_status find_columns(gh_context *ctx, const gh_csv *csv, const char *file, int column[4]) {
   static const char *const names[4] = {"F11", "F12", "F21", "F22"};
   for (int c = 0; c < 4; c++) {
-    int column = gh_csv_find(csv, names[c]);
-    if (column < 0)
+    column[c] = gh_csv_find(csv, names[c]);
+    if (column[c] < 0)
       return gh_fail(ctx, GH_INPUT, "%s:1: no column %s; a path has F11,F12,F21,F22", file, names[c]);
-    F[c] = csv->value[(size_t)row * (size_t)csv->ncols + (size_t)column];
   }
+  return GH_OK;
+}
+
+static gh_status row_of(gh_context *ctx, const gh_csv *csv, const char *file, int row, const int column[4],
+                        double F[4]) {
+  for (int c = 0; c < 4; c++) F[c] = csv->value[(size_t)row * (size_t)csv->ncols + (size_t)column[c]];
   if (gh_det2(F) > 0) return GH_OK;
   return gh_fail(ctx, GH_INPUT, "%s:%d: F has the determinant %g; it must be positive", file, csv->line[row],
                  gh_det2(F));
@@ -104,12 +109,14 @@ static gh_status row_of(gh_context *ctx, const gh_csv *csv, const char *file, in
 
 static gh_status add_rows(gh_context *ctx, node where, const gh_csv *csv, const char *file, long refine,
                           study_path *p) {
+  int column[4];
+  GH_TRY(find_columns(ctx, csv, file, column));
   GH_TRY(reserve(ctx, where, 1 + (double)csv->nrows * (double)refine, p));
   begin(p);
   for (int row = 0; row < csv->nrows; row++) {
     double F[4];
     int first = p->rows;
-    GH_TRY(row_of(ctx, csv, file, row, F));
+    GH_TRY(row_of(ctx, csv, file, row, column, F));
     if (row == 0 && memcmp(F, p->F, sizeof F) == 0) continue; /* the row F = I is there */
     add_leg(p, F, 1, refine);
     GH_TRY(check_rows(where, p, first));

@@ -49,4 +49,111 @@ mkfifo pipe
 scene pipe
 refused_by run 'a mesh in a pipe that nothing is written into' 'pipe: a pipe that nothing is written into' ../scene.yaml -o out --quiet
 
+# ---- packings ----
+
+printf 'step,F11,F12,F21,F22\n0,1,0,0,1\n1,0.99,0.005,0,0.985\n' >path.csv
+# rve OUT PACKING [PATH] [OPTIONS...]: one packing along the path
+rve() {
+  local out=$1 packing=$2 path=${3:-path.csv}
+  shift $(($# < 3 ? $# : 3))
+  "$granhom" rve "$packing" --path "$path" -o "$out" "$@" >said 2>said.err
+}
+# untimed FILE: without the column of seconds
+untimed() { awk -F, -v OFS=, 'NR == 1 { for (k = 1; k <= NF; k++) if ($k ~ /seconds/) c = k } { if (c) $c = ""; print }' "$1"; }
+# same_rve NAME PACKING [PATH]: it gives what p150.data gives
+same_rve() {
+  rm -f other.csv
+  rve other.csv "$2" "${3:-path.csv}"
+  say $? "$1 is read"
+  check '  as the same packing and path' cmp <(untimed plain.csv) <(untimed other.csv)
+}
+rve plain.csv p150.data
+say $? 'a packing along a path'
+check '  which compresses it' awk -F, 'NR == 1 { for (k = 1; k <= NF; k++) if ($k == "P22") c = k } END { exit !($c < 0) }' plain.csv
+# atoms PROGRAM: p150.data with its lines of atoms changed by awk
+atoms() { awk "/^Atoms/ { inside = 1; print; next } inside && NF >= 7 { $1 } { print }" p150.data; }
+atoms '$2 = "quartz"' | sed 's/^Atoms.*/Atom Type Labels\n\n1 quartz\n\n&/' >labels.data
+same_rve 'a packing with labels of types' labels.data
+sed 's/^Atoms.*/Atom Type Labels\n\n1 quartz\n\nMasses\n\nquartz 1\n\nPair Coeffs # granular\n\nquartz hertz 1\n\n&/' p150.data >masses.data
+same_rve 'a packing with masses and coefficients by labels' masses.data
+atoms '$0 = $1 " " $2 " " $5 " " $6 " " $7 " " $3 " " $4 " 0 0 0"' | sed 's/^Atoms.*/Atoms # hybrid sphere/' >hybrid.data
+same_rve 'a packing of style hybrid sphere' hybrid.data
+sed 's/^Atoms.*/Atoms # granular/; s/$/\r/; 1s/^/\xEF\xBB\xBF/' p150.data | tr ' ' '\t' | sed 's/^Atoms\t#\t/Atoms # /; s/\txlo\txhi/ xlo xhi/' >windows.data
+same_rve 'a packing of style granular with tabs, CR LF and a byte order mark' windows.data
+
+# the same packing turned by 30 degrees, its cell general triclinic: P turns with it
+awk -v CONVFMT=%.17g 'BEGIN { c = cos(atan2(0, -1) / 6); s = sin(atan2(0, -1) / 6) }
+  /xlo xhi/ { x0 = $1; a = $2 - $1; next } /ylo yhi/ { y0 = $1; b = $2 - $1; next }
+  /zlo zhi/ { print c * a " " s * a " 0 avec\n" (-s * b) " " c * b " 0 bvec\n0 0 1 cvec\n" (c * x0 - s * y0) " " (s * x0 + c * y0) " -0.5 abc origin"; next }
+  /^Atoms/ { inside = 1; print; next }
+  inside && NF >= 7 { x = $5; y = $6; $5 = c * x - s * y; $6 = s * x + c * y } { print }' p150.data >turned.data
+# turned ROW OF FOUR: R A R^T
+awk -F, -v OFS=, -v CONVFMT=%.17g -v OFMT=%.17g 'BEGIN { c = cos(atan2(0, -1) / 6); s = sin(atan2(0, -1) / 6) } NR == 1 { print; next }
+  { a = c * $2 - s * $4; b = c * $3 - s * $5; d = s * $2 + c * $4; e = s * $3 + c * $5
+    print $1, a * c - b * s, a * s + b * c, d * c - e * s, d * s + e * c }' path.csv >turned_path.csv
+for engine in lammps native; do
+  rve turned.csv turned.data turned_path.csv --boundary periodic --engine $engine && rve straight.csv p150.data path.csv --boundary periodic --engine $engine
+  say $? "a general triclinic cell is read ($engine)"
+  P() { for k in P11 P12 P21 P22; do column "$1" $k; done | tr '\n' ' '; }
+  check '  and the stress turns with the packing' awk -v t="$(P turned.csv)" -v p="$(P straight.csv)" 'BEGIN { c = cos(atan2(0, -1) / 6); s = sin(atan2(0, -1) / 6)
+    split(t, T, " "); split(p, A, " "); a = c * A[1] - s * A[3]; b = c * A[2] - s * A[4]; d = s * A[1] + c * A[3]; e = s * A[2] + c * A[4]
+    R[1] = a * c - b * s; R[2] = a * s + b * c; R[3] = d * c - e * s; R[4] = d * s + e * c
+    for (k = 1; k <= 4; k++) if (T[k] == "" || (T[k] - R[k])^2 > (1e-7 * A[4])^2) { print k, T[k], R[k]; exit 1 } }'
+done
+
+# refused_packing NAME WORDS FILE
+refused_packing() { refused_by rve "$1" "$2" "../$3" --path ../path.csv; }
+{ cat p150.data; printf '\nBonds\n\n1 1 1 2\n'; } >bonds.data
+refused_packing 'a packing with bonds' "bonds.data:$(grep -n Bonds bonds.data | cut -d: -f1): a section Bonds, which would be lost" bonds.data
+sed '3s/^/5 ellipsoids\n/' p150.data >ellipsoids.data
+refused_packing 'a packing with ellipsoids' 'ellipsoids.data:3: 5 ellipsoids' ellipsoids.data
+sed 's/^Atoms.*/Atoms # hybrid/' p150.data >unknown.data
+refused_packing 'a hybrid style that is not named' "style 'hybrid'" unknown.data
+iconv -f UTF-8 -t UTF-16 p150.data >utf16.data 2>/dev/null && refused_packing 'a packing in UTF-16' 'utf16.data:1: text in UTF-16' utf16.data
+refused_packing 'a packing without end' '/dev/zero:1: not a text file' ../../../../../../../../../dev/zero
+{ echo '#format x_y_z_r'; awk '/^Atoms/ { inside = 1 } inside && NF >= 7 { printf "%s %s %s %.17g\n", $5, $6, $7, $3 / 2 }' p150.data; } >spheres.txt
+refused_packing 'a list of spheres' 'spheres.txt:2: a list of spheres (x y z r) has no cell' spheres.txt
+# what the documentation shows to do with it, with the cell of the packing
+sed -n '/^awk -v CONVFMT/,/^```/p' "$root/docs/packing.md" | grep -v '^```' >recipe.sh
+read -r x0 x1 < <(awk '/xlo xhi/ { print $1, $2 }' p150.data)
+sed -i "s/-v low=[-0-9.,]* -v high=[-0-9.,]*/-v low=$x0,$x0 -v high=$x1,$x1/" recipe.sh
+bash recipe.sh
+same_rve 'a list of spheres made into a packing as the documentation shows' packing.data
+
+# ---- tables ----
+
+sed 's/,/;/g; s/\./,/g' path.csv >german.csv
+same_rve 'a path with semicolons and decimal commas' p150.data german.csv
+sed 's/,/","/g; s/^/"/; s/$/"/' path.csv >quoted.csv
+same_rve 'a path with quotes' p150.data quoted.csv
+{ printf '\xEF\xBB\xBF'; sed 's/$/,/; 1s/F\([12]*\)/F\1 [-]/g; 1s/step/step/' path.csv; echo ,,,,,; } >excel.csv
+same_rve 'a path with units, trailing commas and a byte order mark' p150.data excel.csv
+{ echo '# step F11 F12 F21 F22'; sed '1d; s/,/ /g' path.csv; } >numpy.csv
+same_rve 'a path with blanks and its header in a comment' p150.data numpy.csv
+sed '1s/F11/F11 [%]/' path.csv >percent.csv
+refused_by rve 'a path in percent' 'percent.csv:1: no column F11' ../p150.data --path ../percent.csv
+
+printf 'diameter,passing\n0.25,10\n0.5,40\n1.0,80\n2.0,100\n' >ref.csv
+# pack SIEVE OUT
+pack() { "$granhom" pack --sieve "$1" --count 200 --volume-fraction 0.6 --seed 3 -o "$2" >said 2>said.err; }
+pack ref.csv ref.data
+say $? 'a packing from a sieve curve'
+check '  has the grains of the curve' test "$(awk '/^Atoms/ { inside = 1 } inside && NF >= 7 { n[$3]++ } END { print n["0.25"], n["0.5"], n["1"], n["2"] }' ref.data)" = '98 74 25 3'
+# same_sieve NAME: standard input is the same curve
+same_sieve() {
+  cat >sieve.csv
+  rm -f sieve.data
+  pack sieve.csv sieve.data
+  say $? "a sieve table with $1 is read"
+  check '  as the same curve' cmp ref.data sieve.data
+}
+printf 'diameter;passing\n0,25;10,0\n0,5;40,0\n1,0;80,0\n2,0;100,0\n' | same_sieve 'semicolons and decimal commas'
+printf '"diameter","passing"\n"0.25","10"\n"0.5","40"\n"1.0","80"\n"2.0","100"\n' | same_sieve quotes
+printf 'd (mm)\tpassing\r\nmm\t%%\r\n0,25\t10%%\r\n0,5\t40%%\r\n1,0\t80%%\r\n2,0\t100%%\r\n' | same_sieve 'tabs, units and percent signs'
+printf 'diameter [mm],passing [%%],\n0,0,\n0.25,10,\n0.5,40,\n1.0,80,\n2.0,100,\n,,\n' | same_sieve 'a pan and trailing commas'
+printf 'sieve;retained\n2;0\n1;20\n0,5;40\n0,25;30\npan;10\n' | same_sieve 'what each sieve retains'
+printf 'sieve,cumulative retained\n2,0\n1,20\n0.5,60\n0.25,90\n' | same_sieve 'what is retained in all'
+printf 'diameter,retained\n2,0\n1,10\n0.5,20\n' >doubt.csv
+refused_by pack 'a sieve table of two meanings' 'retained_individual or retained_cumulative' --sieve ../doubt.csv --count 100 -o doubt.data
+
 exit $bad

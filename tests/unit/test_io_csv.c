@@ -103,7 +103,8 @@ static void faults_have_messages(void **state) {
       {"a\n1e999\n", ":2: a: '1e999' is not a finite number"},
       {"a\n1 2\n", ":2: a: '1 2' is not a finite number"},
       {"a\n\x1b[31m\n", ":2: a: '?[31m' is not a finite number"},
-      {"a\n\"1\"\n", ":2: a: '\"1\"' is not a finite number"},
+      {"a\n\"1\" x\n", ":2: text behind a closing quote (a quote within quotes is written twice)"},
+      {"a\n\"1\n", ":2: a quote that does not end in this line"},
   };
   place *p = *state;
   gh_csv *csv;

@@ -208,9 +208,93 @@ static void files(void **state) {
   FAILS(gh_sieve_read(ctx, path, &s), GH_INPUT, path);
 }
 
+/* The curve of `passing` with its pan and in percent: 0.25, 0.5, 1, 2 pass 10, 40, 80, 100. */
+static void assert_curve(gh_context *ctx, const char *path, const char *text) {
+  static const double diameter[] = {0.25, 0.5, 1, 2}, amount[] = {10, 30, 40, 20};
+  gh_sieve *s;
+  write_file(path, text);
+  if (gh_sieve_read(ctx, path, &s) != GH_OK) fail_msg("%s: %s", text, gh_message(ctx));
+  assert_int_equal(s->kind, GH_SIEVE_PASSING);
+  assert_int_equal(s->n, 4);
+  assert_memory_equal(s->diameter, diameter, sizeof diameter);
+  assert_memory_equal(s->amount, amount, sizeof amount);
+  gh_sieve_destroy(&s);
+}
+
+/* Tables as laboratories and spreadsheets write them are the same curve. */
+static void tables_of_laboratories(void **state) {
+  static const char *const texts[] = {
+      "diameter,passing\n0.25,10\n0.5,40\n1.0,80\n2.0,100\n",
+      "diameter;passing\n0,25;10,0\n0,5;40,0\n1,0;80,0\n2,0;100,0\n",
+      "diameter;passing\n0.25;10\n0.5;40\n1.0;80\n2.0;100\n",
+      "diameter\tpassing\n0,25\t10\n0,5\t40\n1\t80\n2\t100\n",
+      "\"diameter\",\"passing\"\n\"0.25\",\"10\"\n\"0.5\",\"40\"\n\"1.0\",\"80\"\n\"2.0\",\"100\"\n",
+      "diameter,passing,\n0.25,10,\n0.5,40,\n1.0,80,\n2.0,100,\n,,\n",
+      "diameter,passing\n0.25,10%\n0.5,40 %\n1.0,80%\n2.0,100%\n",
+      "diameter,passing\nmm,%\n0.25,10\n0.5,40\n1.0,80\n2.0,100\n",
+      "diameter,passing\n[mm],[%]\n0.25,10\n0.5,40\n1.0,80\n2.0,100\n",
+      "\xEF\xBB\xBF"
+      "diameter [mm],passing [%]\r\n0.25,10\r\n0.5,40\r\n1.0,80\r\n2.0,100\r\n",
+      "d (mm);Passing (%)\n0,25;10\n0,5;40\n1;80\n2;100\n",
+      "Sieve size (mm),Percent passing\n2,100\n1,80\n0.5,40\n0.25,10\nPan,0\n",
+      "diameter,passing\n0,0\n0.25,10\n0.5,40\n1.0,80\n2.0,100\n",
+      "diameter,passing\n2,100\n1,80\n0.5,40\n0.25,10\n0,0\n",
+      "id,diameter,passing\n1,2,100\n2,1,80\n3,0.5,40\n4,0.25,10\n",
+      /* what each sieve retains, and what it and all coarser ones retain */
+      "diameter,retained\n2,0\n1,20\n0.5,40\n0.25,30\npan,10\n",
+      "diameter,retained\n0,10\n0.25,30\n0.5,40\n1,20\n2,0\n",
+      "diameter,retained\n2,0\n1,20\n0.5,40\n0.25,30\n",
+      "diameter;retained_individual [%]\n2;0\n1;20\n0,5;40\n0,25;30\n",
+      "diameter,retained\n2,0%\n1,20%\n0.5,60%\n0.25,90%\npan,100%\n",
+      "diameter,retained\n2,0\n1,20\n0.5,60\n0.25,90\n",
+      "diameter,cumulative percent retained\n2,0\n1,20\n0.5,60\n0.25,90\n",
+      "d [mm],% retained cumulative\n0.25,90\n0.5,60\n1,20\n2,0\n"};
+  char path[] = "/tmp/granhom-sieve-XXXXXX";
+  int fd = mkstemp(path);
+  assert_true(fd >= 0);
+  close(fd);
+  for (size_t k = 0; k < sizeof texts / sizeof *texts; k++) assert_curve(*state, path, texts[k]);
+  unlink(path);
+}
+
+/* What may mean two things, or leaves the size of grains open, is refused with its reason. */
+static void tables_in_doubt(void **state) {
+  static const char *const faults[][2] = {
+      {"diameter,retained\n2,0\n1,10\n0.5,20\n0.25,30\n", "retained_individual or retained_cumulative"},
+      {"diameter,retained_individual\n2,0\n1,60\n0.5,60\n", "must add up to 100; the sum is 120"},
+      {"diameter,retained_individual\n2,0\n1,60\n0.5,20\npan,10\n", "must add up to 100; the sum is 90"},
+      {"diameter,retained_cumulative\n2,0\n1,60\n0.5,20\n",
+       "must rise from the coarsest sieve to the finest"},
+      {"diameter,retained\n2,0\n1,60\n0.5,20\n0.25,50\n",
+       "neither adds up to 100 percent (the sum is 130) nor rises"},
+      {"diameter,retained\n2,10\n1,60\n0.5,30\n",
+       ":2: retained is 10, but nothing limits the size of grains above"},
+      {"diameter,retained\n2,0\n1,-5\n0.5,30\n", ":3: retained is -5, it must be within 0 and 100"},
+      {"diameter,retained\n2,0\n1,500\n0.5,300\n", ":3: retained is 500, it must be within 0 and 100"},
+      {"diameter,retained\n2,0\n1,20\n1,30\n", ":4: diameter is 1, the diameters must rise, or fall"},
+      {"diameter,passing\n0,5\n1,40\n2,100\n", ":2: diameter is 0, it must be positive"},
+      {"diameter,passing,retained\n1,40,60\n2,100,0\n", "'passing' and 'retained' exclude each other"},
+      {"diameter [%],passing\n1,40\n2,100\n", "'diameter [%]' is in percent"},
+      {"d,diameter,passing\n1,1,40\n2,2,100\n", "'d' and 'diameter' exclude each other"},
+      {"diameter,count\n1,40%\n2,100%\n", "'count' is in percent"},
+      {"diameter;passing\n1,000;40\n2.5;100\n", "a decimal comma, and a decimal point in line 3"}};
+  gh_context *ctx = *state;
+  gh_sieve *s;
+  char path[] = "/tmp/granhom-sieve-XXXXXX";
+  int fd = mkstemp(path);
+  assert_true(fd >= 0);
+  close(fd);
+  for (size_t k = 0; k < sizeof faults / sizeof *faults; k++) {
+    write_file(path, faults[k][0]);
+    FAILS(gh_sieve_read(ctx, path, &s), GH_INPUT, faults[k][1]);
+  }
+  unlink(path);
+}
+
 int main(void) {
-  const struct CMUnitTest tests[] = {TEST(quartz_table), TEST(concrete_table), TEST(passing),
-                                     TEST(least),        TEST(counts),         TEST(rounding),
-                                     TEST(wrong_curves), TEST(files)};
+  const struct CMUnitTest tests[] = {TEST(quartz_table),   TEST(concrete_table), TEST(passing),
+                                     TEST(least),          TEST(counts),         TEST(rounding),
+                                     TEST(wrong_curves),   TEST(files),          TEST(tables_of_laboratories),
+                                     TEST(tables_in_doubt)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
