@@ -48,7 +48,7 @@ static void progress_line(void *data, const gh_progress *p) {
   bool known = isfinite(p->total);
   if (known) fprintf(stderr, "%s: %.0f of %.0f %s, %s%s", p->label, p->done, p->total, p->unit, taken, rate);
   else fprintf(stderr, "%s: %.0f %s, %s%s", p->label, p->done, p->unit, taken, rate);
-  if (!p->end && known) fprintf(stderr, ", about %s left", left);
+  if (!p->end && known) fprintf(stderr, ", about %s left at this rate", left);
   if (!screen.terminal || p->end) fprintf(stderr, "\n");
   else screen.line = true;
   fflush(stderr);

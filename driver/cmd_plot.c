@@ -46,19 +46,25 @@ static gh_status convergence(gh_context *ctx, const plot_arguments *a, const cha
   return gh_picture_convergence(ctx, a->results, png);
 }
 
+typedef gh_status picture(gh_context *ctx, const plot_arguments *a, const char *png);
+
+/* A picture that this folder or this build cannot have: a scene may record no packings. */
+static bool left_out(const plot_arguments *a, picture *draw) {
+  if (!gh_h5_available() && draw == mesh) return true;
+  if (draw != rve) return false;
+  char *path = gh_path_join(a->results, "rves.h5");
+  bool none = !path || access(path, F_OK) != 0;
+  free(path);
+  return none || !gh_h5_available();
+}
+
 static gh_status work(gh_context *ctx, const plot_arguments *a) {
   static const struct {
     const char *name;
-    gh_status (*draw)(gh_context *ctx, const plot_arguments *a, const char *png);
+    picture *draw;
   } pictures[] = {
       {"mesh.png", mesh}, {"rve.png", rve}, {"curves.png", curves}, {"convergence.png", convergence}};
-  char *record = gh_path_join(a->results, "run.json");
-  if (!record) return gh_fail(ctx, GH_MEMORY, "no memory for a path");
-  bool there = false;
-  gh_status found = gh_file_there(ctx, record, &there);
-  free(record);
-  GH_TRY(found);
-  if (!there) return gh_fail(ctx, GH_INPUT, "%s: holds no results of `granhom run`", a->results);
+  GH_TRY(gh_results_check(ctx, a->results));
   GH_TRY(gh_folder_make(ctx, a->folder));
   for (size_t k = 0; k < sizeof pictures / sizeof *pictures; k++) {
     char *png = gh_path_join(a->folder, pictures[k].name);
@@ -66,9 +72,7 @@ static gh_status work(gh_context *ctx, const plot_arguments *a) {
     gh_status status = pictures[k].draw(ctx, a, png);
     if (status == GH_OK) printf("%s\n", png);
     free(png);
-    bool fields = pictures[k].draw == rve || pictures[k].draw == mesh;
-    if (status == GH_INPUT && a->point < 0 &&
-        (pictures[k].draw == rve || (fields && !gh_h5_available()))) { /* a scene may record none */
+    if (status == GH_INPUT && a->point < 0 && left_out(a, pictures[k].draw)) {
       fprintf(stderr, "granhom: no %s: %s\n", pictures[k].name, gh_message(ctx));
       continue;
     }
@@ -83,7 +87,7 @@ static int run(int argc, char **argv) {
   if (code) return code;
   gh_context *ctx = cli_open();
   if (!ctx) return 1;
-  signal(SIGPIPE, SIG_IGN); /* gnuplot may end early: its status tells */
+  signal(SIGPIPE, SIG_IGN); /* who reads the list may end early */
   gh_status status = cli_mpi(ctx, true);
   if (status == GH_OK) status = work(ctx, &a);
   return cli_close(ctx, status);

@@ -8,6 +8,7 @@
 
 #include "granhom/io.h"
 #include "granhom/micro.h"
+#include "granhom/scene.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -37,7 +38,8 @@ static const char help[] =
     "  --estimate-error       goes along the path in halves of its rows, and once more in whole rows: an\n"
     "                         estimate of the error of the stress, for about three times the time\n"
     "  --tangent FILE         tangent dP/dF of each increment: step,A1111,A1112,...,A2222\n"
-    "  --dump FILE            a LAMMPS dump of the grains, one frame per increment (OVITO reads it)\n"
+    "  --dump FILE            a LAMMPS dump of the grains, one frame per increment, positions with\n"
+    "                         image flags (OVITO reads it)\n"
     "  --save-state FILE      converged state at the end of the path (HDF5)\n"
     "  --load-state FILE      start from such a state instead of the packing as read; of the\n"
     "                         same packing, boundary condition and contact law\n"
@@ -135,37 +137,10 @@ static void write_headers(job *j) {
   gh_text_print(j->tangent, "\n");
 }
 
-/* Grains where they are in space. A LAMMPS box has its first lattice vector along x; a cell that is turned
- * otherwise cannot be told, and the frame then has a bounding box instead. */
 static gh_status write_frame(job *j, long step) {
   gh_rve_view v;
   GH_TRY(gh_rve_look(j->rve, &v));
-  double low[2] = {INFINITY, INFINITY}, high[2] = {-INFINITY, -INFINITY};
-  for (int i = 0; i < v.n; i++)
-    for (int k = 0; k < 2; k++) {
-      low[k] = fmin(low[k], v.x[2 * i + k] - v.radius[i]);
-      high[k] = fmax(high[k], v.x[2 * i + k] + v.radius[i]);
-    }
-  bool upright = v.periodic && v.cell[2] == 0; /* OVITO can then draw the periodic cell itself */
-  gh_text_print(j->dump, "ITEM: TIMESTEP\n%ld\nITEM: NUMBER OF ATOMS\n%d\n", step, v.n);
-  if (upright) {
-    double tilt = v.cell[1];
-    gh_text_print(
-        j->dump, "ITEM: BOX BOUNDS xy xz yz pp pp pp\n%.17g %.17g %.17g\n%.17g %.17g 0\n-0.5 0.5 0\n",
-        v.low[0] + fmin(tilt, 0), v.low[0] + v.cell[0] + fmax(tilt, 0), tilt, v.low[1], v.low[1] + v.cell[3]);
-  } else {
-    gh_text_print(j->dump, "ITEM: BOX BOUNDS ff ff pp\n%.17g %.17g\n%.17g %.17g\n-0.5 0.5\n", low[0], high[0],
-                  low[1], high[1]);
-  }
-  gh_text_print(j->dump, "ITEM: ATOMS id type x y z radius grain rattler held replica%s\n",
-                v.theta ? " theta" : "");
-  for (int i = 0; i < v.n; i++) {
-    gh_text_print(j->dump, "%d %d %.17g %.17g 0 %.17g %d %d %d %d", i + 1, v.type[i], v.x[2 * i],
-                  v.x[2 * i + 1], v.radius[i], v.id[i], v.flags[i] & 1, v.flags[i] >> 1 & 1,
-                  v.flags[i] >> 2 & 1);
-    if (v.theta) gh_text_print(j->dump, " %.17g", v.theta[i]);
-    gh_text_print(j->dump, "\n");
-  }
+  gh_dump_grains(j->dump, step, &v);
   return GH_OK;
 }
 

@@ -32,13 +32,16 @@ void rve_error_tell(gh_context *ctx, const rve_error *e) {
   if (b->parts == 0) return;
   if (e->compared > 0)
     gh_log(ctx, GH_LEVEL_INFO,
-           "estimated error of the stress path %.2g of the largest stress; it branches in %d of %d rows%s",
-           e->most > 0 ? e->most / e->scale : 0, e->branched, e->compared,
+           "estimated error of the stress path %.2g of the largest stress; it branches in %d of %d row%s%s",
+           e->most > 0 ? e->most / e->scale : 0, e->branched, e->compared, GH_S(e->compared),
            e->branched > 0 ? ", behind which it is one of several" : "");
-  if (b->largest > 0)
+  const double defect = gh_rve_balance_defect(b);
+  if (b->largest > 0 && defect == 0)
+    gh_log(ctx, GH_LEVEL_INFO, "largest residual %.1e; no work was done beyond round-off", b->residual);
+  else if (b->largest > 0)
     gh_log(ctx, GH_LEVEL_INFO,
            "largest residual %.1e; energy defect %.1e: work of P on F by the trapezoidal rule, less energy "
            "gained and dissipated, over the largest work",
-           b->residual, gh_rve_balance_defect(b));
+           b->residual, defect);
   else gh_log(ctx, GH_LEVEL_INFO, "largest residual %.1e", b->residual);
 }

@@ -72,6 +72,8 @@ const char *gh_message(const gh_context *ctx);
 void gh_set_log(gh_context *ctx, gh_log_sink *sink, void *data);
 void gh_set_progress(gh_context *ctx, gh_progress_sink *sink, void *data);
 
+/* The end of a plural: printf("%d step%s", n, GH_S(n)). */
+#define GH_S(n) ((n) == 1 ? "" : "s")
 #define GH_PRINTF(f, a) __attribute__((format(printf, f, a)))
 
 /* Stores the message (what, where, which value, which limit) and returns s, so that callers write

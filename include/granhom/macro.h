@@ -148,12 +148,14 @@ typedef struct gh_energy {
   double energy, dissipation; /* gained by the packings and dissipated by friction, summed with the weights of
                                  the points; NAN when the farm is not made of RVEs */
   double largest;             /* largest |inner_work| or |energy + dissipation| seen */
+  double scale; /* int |P| |F| dV0 at the end: work below 1e-12 of it is round-off (a rotation) */
   double residual, micro_residual; /* largest relative residual of a part, and of a packing in it */
 } gh_energy;
 void gh_macro_energy(const gh_macro *macro, gh_energy *energy);
 /* The present equilibrium is the zero from now on; without this u = 0 is. */
 void gh_macro_zero_energy(gh_macro *macro);
-/* Hill-Mandel: inner work less what the packings have gained and dissipated, over `largest`. */
+/* Hill-Mandel: inner work less what the packings have gained and dissipated, over `largest`; 0 where all work
+ * was round-off. */
 double gh_energy_defect(const gh_energy *energy);
 /* Outer work, what was set free in jumps apart, less inner work, over `largest`. */
 double gh_work_defect(const gh_energy *energy);

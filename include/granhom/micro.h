@@ -122,7 +122,7 @@ typedef struct gh_rve_balance {
   double residual;       /* largest */
 } gh_rve_balance;
 void gh_rve_balance_add(gh_rve_balance *balance, const gh_rve_measures *m);
-/* (work - held) / largest; 0 where nothing was done. */
+/* (work - held) / largest; 0 where nothing was done beyond round-off (a rotation): |P| |F| / 1e12. */
 double gh_rve_balance_defect(const gh_rve_balance *balance);
 /* Whether a path in halves and the same in whole increments have become two (docs/method.md, "What a run
  * knows of its error"): `growth` is by how much they have parted in this increment, `change` how much the

@@ -102,6 +102,8 @@ double gh_estimated_now(const gh_run_estimate *estimate, int quantity);
 
 typedef struct gh_run_summary {
   int steps, increments;                 /* done, without the start */
+  int planned, step;                     /* steps of the scene; the one that is done in part, 0: none is */
+  int done, of;                          /* increments of that one: complete, planned */
   int iterations, substeps, cuts, jumps; /* of the whole run */
   int at_once;                           /* planned increments that the next one takes */
   int points, unjammed;                  /* material points; how many of them carry nothing at the end */
@@ -127,8 +129,17 @@ gh_status gh_scene_run(gh_scene *scene, const char *folder, const gh_run_options
 /* The summary in words, a few lines. */
 void gh_summary_print(const gh_run_summary *summary, const char *folder, gh_text *out);
 
+/* A frame of a LAMMPS dump: the grains of one material point, id type x y z ix iy iz radius grain rattler
+ * held replica and with friction theta. Periodic: in the box of the cell, turned so that its first lattice
+ * vector lies along x, with image flags; else unturned in a bounding box. */
+void gh_dump_grains(gh_text *out, long step, const gh_rve_view *view);
+
 /* ---- pictures of a folder of results, PNG ---- */
 
+/* GH_INPUT with the file and the reason: no results, a file that is cut off, damaged or of another program,
+ * files that do not belong together (fewer increments than run.json has counted). A run that is under way is
+ * whole up to its last complete increment. */
+gh_status gh_results_check(gh_context *ctx, const char *folder);
 /* Deformed mesh at the last increment over the outline of the undeformed one, coloured by the von Mises
  * stress. */
 gh_status gh_picture_mesh(gh_context *ctx, const char *folder, const char *png);

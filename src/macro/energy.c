@@ -72,6 +72,17 @@ void gh_macro_zero_energy(gh_macro *m) {
   w->dissipation0 = w->dissipation;
 }
 
+static double work_scale(const gh_macro *m) {
+  double sum = 0;
+  for (int p = 0; p < m->npoints; p++) {
+    const double *F = m->eq.F + 4 * (size_t)p, *P = m->eq.P + 4 * (size_t)p;
+    double FF = 0, PP = 0;
+    for (int k = 0; k < 4; k++) FF += F[k] * F[k], PP += P[k] * P[k];
+    sum += m->shapes.weight[p] * sqrt(FF * PP);
+  }
+  return sum;
+}
+
 void gh_macro_energy(const gh_macro *m, gh_energy *e) {
   const gh_tally *w = &m->tally;
   *e = (gh_energy){.inner_work = w->inner,
@@ -80,20 +91,22 @@ void gh_macro_energy(const gh_macro *m, gh_energy *e) {
                    .energy = w->energy - w->energy0,
                    .dissipation = w->dissipation - w->dissipation0,
                    .largest = w->largest,
+                   .scale = work_scale(m),
                    .residual = w->residual,
                    .micro_residual = w->micro_residual};
 }
 
 /* Where there is no energy to compare with, what is missing is all there is. */
-static double over(double part, double whole) {
-  if (part == 0) return 0;
+static double over(const gh_energy *e, double part) {
+  const double whole = e->largest;
+  if (part == 0 || whole <= 1e-12 * e->scale) return 0;
   return whole == 0 && isfinite(part) ? copysign(1, part) : part / whole;
 }
 
 double gh_energy_defect(const gh_energy *e) {
-  return over(e->inner_work - e->energy - e->dissipation, e->largest);
+  return over(e, e->inner_work - e->energy - e->dissipation);
 }
 
 double gh_work_defect(const gh_energy *e) {
-  return over(e->outer_work - e->freed - e->inner_work, e->largest);
+  return over(e, e->outer_work - e->freed - e->inner_work);
 }

@@ -57,7 +57,9 @@ void gh_rve_balance_add(gh_rve_balance *b, const gh_rve_measures *m) {
 }
 
 double gh_rve_balance_defect(const gh_rve_balance *b) {
-  return b->largest > 0 ? (b->work - b->held) / b->largest : 0;
+  double PP = 0, FF = 0;
+  for (int k = 0; k < 4; k++) PP += b->P[k] * b->P[k], FF += b->F[k] * b->F[k];
+  return b->largest <= 1e-12 * sqrt(PP * FF) ? 0 : (b->work - b->held) / b->largest;
 }
 
 /* Without friction the stress depends on F alone as long as no packing rearranges: any difference that is

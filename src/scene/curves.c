@@ -1,6 +1,6 @@
 /* Curves of a run, drawn by gnuplot. SPDX-License-Identifier: GPL-2.0-or-later */
 #include "scene/gnuplot.h"
-#include "scene/page.h"
+#include "scene/report.h"
 
 #include <stdlib.h>
 
@@ -107,10 +107,8 @@ gh_status gh_picture_convergence(gh_context *ctx, const char *folder, const char
   scene_labels l;
   gh_text *out = NULL;
   char *path = gh_path_join(folder, "convergence.csv");
-  gh_status status = path ? gh_csv_read(ctx, path, &csv) : gh_fail(ctx, GH_MEMORY, "no memory for a path");
-  if (status == GH_OK && (csv->nrows == 0 || gh_csv_find(csv, "step") < 0 ||
-                          gh_csv_find(csv, "iteration") < 0 || gh_csv_find(csv, "relative") < 0))
-    status = gh_fail(ctx, GH_INPUT, "%s: holds no residuals", path);
+  gh_status status =
+      path ? scene_residuals_read(ctx, path, &csv) : gh_fail(ctx, GH_MEMORY, "no memory for a path");
   if (status == GH_OK) status = scene_labels_read(ctx, folder, &l);
   if (status == GH_OK) status = drawing_begin(ctx, 900, 560, &out);
   if (status == GH_OK) write_residuals(out, csv, &l);

@@ -106,8 +106,8 @@ static void find_box(const gh_rve_view *v, box *b) {
   }
 }
 
-static void print_head(gh_text *t, int counter, const char *what, int rows, const box *b) {
-  gh_text_print(t, "ITEM: TIMESTEP\n%d\nITEM: NUMBER OF %s\n%d\n", counter, what, rows);
+static void print_head(gh_text *t, long counter, const char *what, int rows, const box *b) {
+  gh_text_print(t, "ITEM: TIMESTEP\n%ld\nITEM: NUMBER OF %s\n%d\n", counter, what, rows);
   if (b->periodic) {
     double tilt = b->cell[1];
     gh_text_print(t, "ITEM: BOX BOUNDS xy xz yz pp pp pp\n%.17g %.17g %.17g\n%.17g %.17g 0\n-0.5 0.5 0\n",
@@ -133,7 +133,7 @@ static void into_box(const box *b, const double from[2], double x[2], int image[
   for (int k = 0; k < 2; k++) x[k] -= s[k];
 }
 
-static void print_grains(gh_text *t, int counter, const gh_rve_view *v, const box *b) {
+static void print_grains(gh_text *t, long counter, const gh_rve_view *v, const box *b) {
   print_head(t, counter, "ATOMS", v->n, b);
   gh_text_print(t, "ITEM: ATOMS id type x y z ix iy iz radius grain rattler held replica%s\n",
                 v->theta ? " theta" : "");
@@ -147,6 +147,12 @@ static void print_grains(gh_text *t, int counter, const gh_rve_view *v, const bo
     if (v->theta) gh_text_print(t, " %.17g", v->theta[i]);
     gh_text_print(t, "\n");
   }
+}
+
+void gh_dump_grains(gh_text *out, long step, const gh_rve_view *view) {
+  box b;
+  find_box(view, &b);
+  print_grains(out, step, view, &b);
 }
 
 /* Force on the first grain, its parts along -n (pressing) and along t, n turned by +90 degrees. */
@@ -167,7 +173,7 @@ static void print_contact(gh_text *t, const gh_rve_view *v, const box *b, int k)
   gh_text_print(t, "\n");
 }
 
-static void print_contacts(gh_text *t, int counter, const gh_rve_view *v, const box *b) {
+static void print_contacts(gh_text *t, long counter, const gh_rve_view *v, const box *b) {
   print_head(t, counter, "ENTRIES", v->ncontacts, b);
   gh_text_print(t, "ITEM: ENTRIES index id1 id2 x1 y1 lx ly fx fy fn ft overlap%s\n",
                 v->friction ? " sliding slip slip_plastic" : "");

@@ -64,9 +64,9 @@ static void explain_sharing(const gh_scene *s, gh_text *out) {
   for (int k = 0; k < s->npackings; k++) groups += scene_packing_points(s, k) > 0;
   if (!s->no_share)
     gh_text_print(out,
-                  "sharing           the %d points begin as %d different RVEs; points stay together while "
+                  "sharing           the %d points begin as %d different RVE%s; points stay together while "
                   "their F agree to the bit\n",
-                  points, groups);
+                  points, groups, GH_S(groups));
   else gh_text_print(out, "sharing           none: each of the %d points is computed\n", points);
   if (s->resident > 0)
     gh_text_print(out, "memory            at most %d RVEs kept ready on a rank, other states swapped\n",
@@ -227,7 +227,8 @@ void gh_scene_explain(const gh_scene *s, gh_text *out) {
   explain_start(s, out);
   for (int k = 0; k < s->nsteps; k++) {
     const scene_step *step = s->steps + k;
-    gh_text_print(out, "step %-12d %s: %d increments", k + 1, step->name, step->increments);
+    gh_text_print(out, "step %-12d %s: %d increment%s", k + 1, step->name, step->increments,
+                  GH_S(step->increments));
     for (int j = 0; j < step->nfootings; j++)
       gh_text_print(out, "; rigid footing on '%s'", s->mesh->sets[step->footings[j].set].name);
     gh_text_print(out, "\n");
@@ -250,9 +251,9 @@ static void print_estimate(const gh_run_estimate *q, gh_text *out) {
   if (q->branched > 0)
     gh_text_print(
         out,
-        "the path branches in %d of %d increments (stress differs by up to %.2g): there and behind it "
+        "the path branches in %d of %d increment%s (stress differs by up to %.2g): there and behind it "
         "is one of several, which no estimate compares\n",
-        q->branched, q->increments, q->branch);
+        q->branched, q->increments, GH_S(q->increments), q->branch);
 }
 
 static void print_error(const gh_run_summary *m, gh_text *out) {
@@ -266,11 +267,23 @@ static void print_error(const gh_run_summary *m, gh_text *out) {
   print_estimate(&m->estimate, out);
 }
 
+/* "2 steps, 30 increments, ..."; of a run that ended before its end, which steps are complete and how much of
+ * the next one. */
+static void print_progress(const gh_run_summary *m, gh_text *out) {
+  if (m->planned > m->steps)
+    gh_text_print(out, "%d of %d step%s complete", m->steps, m->planned, GH_S(m->planned));
+  else gh_text_print(out, "%d step%s", m->steps, GH_S(m->steps));
+  if (m->step > 0)
+    gh_text_print(out, ", and %d of %d increment%s of step %d; in all", m->done, m->of, GH_S(m->of), m->step);
+  gh_text_print(
+      out, "%s %d increment%s, %d iteration%s in %d part%s; %d cut%s, %d jump%s of packings passed\n",
+      m->step > 0 ? "" : ",", m->increments, GH_S(m->increments), m->iterations, GH_S(m->iterations),
+      m->substeps, GH_S(m->substeps), m->cuts, GH_S(m->cuts), m->jumps, GH_S(m->jumps));
+}
+
 void gh_summary_print(const gh_run_summary *m, const char *folder, gh_text *out) {
   double rest = m->cost.total - m->cost.relax - m->cost.contacts - m->cost.factorise;
-  gh_text_print(out,
-                "%d steps, %d increments, %d iterations in %d parts; %d cuts, %d jumps of packings passed\n",
-                m->steps, m->increments, m->iterations, m->substeps, m->cuts, m->jumps);
+  print_progress(m, out);
   if (isfinite(m->min_acoustic))
     gh_text_print(out, "%d of %d integration points unjammed; smallest acoustic eigenvalue %.4g%s\n",
                   m->unjammed, m->points, m->min_acoustic, m->min_acoustic > 0 ? "" : " (ellipticity lost)");
@@ -283,16 +296,17 @@ void gh_summary_print(const gh_run_summary *m, const char *folder, gh_text *out)
   if (m->farm.evaluations > 0)
     gh_text_print(
         out,
-        "%d ranks; of %ld evaluations of points %ld were computed (%.0f %% shared), %ld states moved "
-        "between ranks; at the end %d different RVEs at %d points\n",
-        m->farm.ranks, m->farm.evaluations, m->farm.computed,
-        100 * (1 - (double)m->farm.computed / (double)m->farm.evaluations), m->farm.moved, m->farm.states,
-        m->points);
+        "%d rank%s; of %ld evaluations of points %ld were computed (%.0f %% shared), %ld state%s moved "
+        "between ranks; at the end %d different RVE%s at %d points\n",
+        m->farm.ranks, GH_S(m->farm.ranks), m->farm.evaluations, m->farm.computed,
+        100 * (1 - (double)m->farm.computed / (double)m->farm.evaluations), m->farm.moved,
+        GH_S(m->farm.moved), m->farm.states, GH_S(m->farm.states), m->points);
   if (m->farm.kept > 0)
-    gh_text_print(out, "in %ld evaluations relaxation went in circles until slip was kept\n", m->farm.kept);
+    gh_text_print(out, "in %ld evaluation%s relaxation went in circles until slip was kept\n", m->farm.kept,
+                  GH_S(m->farm.kept));
   if (m->farm.accepted > 0)
-    gh_text_print(out, "in %ld evaluations a packing was taken as it was, out of balance (micro.accept)\n",
-                  m->farm.accepted);
+    gh_text_print(out, "in %ld evaluation%s a packing was taken as it was, out of balance (micro.accept)\n",
+                  m->farm.accepted, GH_S(m->farm.accepted));
   if (m->farm.ranks > 1 && m->farm.longest > 0)
     gh_text_print(out,
                   "ranks were busy for %.0f %% of the time that the busiest one took in each evaluation\n",

@@ -32,10 +32,22 @@ static void mesh_data_free(mesh_data *d) {
   free(d->quad);
 }
 
+/* Values at all nodes, finite, and elements of nodes that are there. */
+static gh_status mesh_data_check(gh_context *ctx, const char *folder, const mesh_data *d,
+                                 const size_t rows[2]) {
+  bool good = rows[0] == d->nnodes && rows[1] == d->nnodes && gh_finite(d->X, 3 * d->nnodes) &&
+              gh_finite(d->u, 3 * d->nnodes) && gh_finite(d->mises, d->nnodes);
+  for (size_t k = 0; k < 4 * d->nelements; k++)
+    good = good && d->quad[k] >= 0 && (size_t)d->quad[k] < d->nnodes;
+  return good ? GH_OK
+              : gh_fail(ctx, GH_INPUT, "%s/results.h5: the fields of increment %d do not fit the mesh",
+                        folder, d->last);
+}
+
 static gh_status mesh_data_read(gh_context *ctx, const char *folder, mesh_data *d) {
   gh_h5 *file = NULL;
   char name[64];
-  size_t rows;
+  size_t points[2];
   gh_status status;
   *d = (mesh_data){0};
   GH_TRY(scene_open_h5(ctx, folder, "results.h5", &file));
@@ -47,11 +59,12 @@ static gh_status mesh_data_read(gh_context *ctx, const char *folder, mesh_data *
   GH_TRY_OR(scene_get_doubles(ctx, file, "/mesh/coordinates", &d->nnodes, 3, &d->X), done);
   GH_TRY_OR(scene_get_ints(ctx, file, "/mesh/cells", &d->nelements, 4, &d->quad), done);
   snprintf(name, sizeof name, "/step%04d/displacement", d->last);
-  GH_TRY_OR(scene_get_doubles(ctx, file, name, &rows, 3, &d->u), done);
+  GH_TRY_OR(scene_get_doubles(ctx, file, name, &points[0], 3, &d->u), done);
   snprintf(name, sizeof name, "/step%04d/von_mises", d->last);
-  GH_TRY_OR(scene_get_doubles(ctx, file, name, &rows, 1, &d->mises), done);
+  GH_TRY_OR(scene_get_doubles(ctx, file, name, &points[1], 1, &d->mises), done);
   snprintf(name, sizeof name, "/step%04d/time", d->last);
   GH_TRY_OR(gh_h5_get_doubles(file, name, 1, 1, &d->time), done);
+  status = mesh_data_check(ctx, folder, d, points);
 done:
   gh_h5_close(&file);
   return status;

@@ -29,6 +29,7 @@ gh_status gh_report_write(gh_context *ctx, const char *folder, const int *points
     return gh_fail(
         ctx, GH_INPUT,
         "%s: a report is made of results.h5, and this granhom was built without HDF5 (make HDF5=0)", folder);
+  GH_TRY(gh_results_check(ctx, folder));
   gh_status status = report_open(ctx, folder, points, npoints, &r);
   if (status == GH_OK) {
     print_begin(&r);

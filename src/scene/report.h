@@ -42,6 +42,11 @@ typedef struct report {
 gh_status scene_run_read(gh_context *ctx, const char *folder, cJSON **root);
 gh_status scene_labels_of(gh_context *ctx, const char *folder, const cJSON *root, scene_labels *labels);
 
+/* ---- check.c ---- */
+
+/* convergence.csv with the columns step, iteration, relative and a row at least; GH_INPUT: cut off. */
+gh_status scene_residuals_read(gh_context *ctx, const char *path, gh_csv **csv);
+
 /* ---- report_data.c ---- */
 
 /* Reads and checks all files but the grains. GH_INPUT with the file's name. */

@@ -80,12 +80,7 @@ static gh_status read_tables(report *r) {
   GH_TRY(scene_curve_choose(r->ctx, &r->history, &r->labels, &r->curve));
   path = gh_path_join(r->folder, "convergence.csv");
   if (!path) return gh_fail(r->ctx, GH_MEMORY, "no memory for a path");
-  char *text = NULL;
-  gh_status status = gh_file_text(r->ctx, path, &text);
-  if (status == GH_OK && (!*text || text[strlen(text) - 1] != '\n'))
-    status = gh_fail(r->ctx, GH_INPUT, "%s: the last line is cut off", path);
-  if (status == GH_OK) status = gh_csv_read(r->ctx, path, &r->convergence);
-  free(text);
+  gh_status status = scene_residuals_read(r->ctx, path, &r->convergence);
   free(path);
   return status;
 }

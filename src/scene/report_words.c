@@ -57,9 +57,9 @@ static void tell_outcome(report *r) {
   else begin(r, "bad", "The run ended before its end");
   gh_text_print(
       r->out,
-      "%d increments after the start are complete. Largest relative residual at the end of an increment "
+      "%d increment%s after the start %s complete. Largest relative residual at the end of an increment "
       "%.2e (increment %d)",
-      r->n - 1, worst, at);
+      r->n - 1, GH_S(r->n - 1), r->n == 2 ? "is" : "are", worst, at);
   if (isfinite(wanted)) gh_text_print(r->out, ", tolerance %.0e", wanted);
   gh_text_print(r->out, ".");
   if (!done && *message) {

@@ -67,15 +67,15 @@ static void tell_increment(run *r, const gh_macro_report *report) {
   int unjammed = scene_results_unjammed(r->results, &least);
   gh_macro_volumes(r->macro, &V, &v);
   gh_log(r->ctx, GH_LEVEL_INFO,
-         "%s %d/%d done: %d iterations in %d parts, residual %.1e, dilatancy %.4g %%, smallest acoustic "
+         "%s %d/%d done: %d iteration%s in %d part%s, residual %.1e, dilatancy %.4g %%, smallest acoustic "
          "eigenvalue %.3g, %.2f s (%.2f s micro)",
          gh_scene_step_name(r->scene, r->step), r->increment, gh_scene_increments(r->scene, r->step),
-         report->iterations, report->substeps, report->relative, 100 * (v / V - 1), least, report->seconds,
-         report->micro_seconds);
+         report->iterations, GH_S(report->iterations), report->substeps, GH_S(report->substeps),
+         report->relative, 100 * (v / V - 1), least, report->seconds, report->micro_seconds);
   if (report->jumps > 0)
     gh_log(r->ctx, GH_LEVEL_WARNING,
-           "%s %d: passed %d jumps of the packings: the path is not continuous there",
-           gh_scene_step_name(r->scene, r->step), r->increment, report->jumps);
+           "%s %d: passed %d jump%s of the packings: the path is not continuous there",
+           gh_scene_step_name(r->scene, r->step), r->increment, report->jumps, GH_S(report->jumps));
   if (unjammed > 0)
     gh_log(r->ctx, GH_LEVEL_WARNING,
            "%s %d: %d of %d integration points are unjammed: no grain touches another there",
@@ -207,6 +207,16 @@ static gh_status show(run *r) {
   return o->observe(o->observe_data, r->step, r->increment, gh_scene_increments(r->scene, r->step), r->macro);
 }
 
+/* How far the run has come. */
+static void note_step(run *r) {
+  int of = gh_scene_increments(r->scene, r->step);
+  bool whole = r->step > 0 && r->increment == of, part = r->step > 0 && !whole;
+  r->sum.steps += whole;
+  r->sum.step = part ? r->step : 0;
+  r->sum.done = part ? r->increment : 0;
+  r->sum.of = part ? of : 0;
+}
+
 static gh_status solve(run *r) {
   gh_macro_report report = {0}, whole = {0};
   gh_status status = find_equilibrium(r, &report, &whole);
@@ -220,7 +230,7 @@ static gh_status solve(run *r) {
   tell_increment(r, &report);
   adapt(r, &whole);
   r->sum.increments += r->step > 0;
-  r->sum.steps += r->step > 0 && r->increment == gh_scene_increments(r->scene, r->step);
+  note_step(r);
   GH_TRY(keep(r));
   r->counter++;
   return show(r);
@@ -348,6 +358,7 @@ static gh_status open_run(run *r) {
   if (r->folder) GH_TRY(scene_results_check(r->ctx, r->folder));
   if (r->folder) GH_TRY(gh_lock_create(r->ctx, r->folder, &r->lock));
   r->sum.points = 4 * s->mesh->nelements;
+  r->sum.planned = gh_scene_steps(s);
   GH_TRY(gh_alloc(r->ctx, (size_t)s->nsteps + 1, sizeof *r->begin_u, &r->begin_u));
   GH_TRY(make_farm(r));
   if (r->options) gh_farm_set_stop(r->farm, r->options->stop, r->options->stop_data);

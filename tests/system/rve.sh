@@ -73,15 +73,15 @@ check "the tangent has a row per increment and major symmetry" awk -F, 'NR > 1 {
   END { if (n != 4) exit 1 }' tangent.csv
 
 # --- dump ---
-frames() { # number of frames; fails unless each has as many atoms as it says, 10 words each
+frames() { # number of frames; fails unless each has as many atoms as it says, 13 words each
   awk '/^ITEM: TIMESTEP/ { if (n && left) exit 1; n++; want = "step"; next }
     want == "step" { if ($1 != n - 1) exit 1; want = ""; next }
     /^ITEM: NUMBER OF ATOMS/ { want = "number"; next }
     want == "number" { left = $1; want = ""; next }
     /^ITEM: BOX BOUNDS/ { want = "box"; lines = 0; next }
     want == "box" && lines < 3 { if (!($1 < $2)) exit 1; lines++; next }
-    /^ITEM: ATOMS id type x y z radius/ { want = "atoms"; next }
-    want == "atoms" { if (NF != 10 || $6 <= 0 || left-- <= 0) exit 1; next }
+    /^ITEM: ATOMS id type x y z ix iy iz radius/ { want = "atoms"; next }
+    want == "atoms" { if (NF != 13 || $9 <= 0 || left-- <= 0) exit 1; next }
     { exit 1 }
     END { if (left) exit 1; print n }' "$1"
 }
@@ -114,6 +114,26 @@ rubbing() { native --friction-angle 20 --hardening 10 "$@"; }
 rubbing --path path.csv -o rub.csv --dump rub.dump 2>/dev/null
 check "friction adds its columns" test "$(head -n 1 rub.csv)" = "$columns,energy_t,dissipation,sliding"
 check "some contacts slide, and dissipate" awk -F, 'END {exit !($21 > 0 && $20 > 0 && $19 > 0)}' rub.csv
+# a cell that is sheared and turned by affine motion: box, image flags and cell give back F X, turned so that the first lattice
+# vector lies along x
+printf 'step,F11,F12,F21,F22\n0,1,0,0,1\n1,1,1.3,0,1\n2,0.8,-1.1,0.6,0.9\n' >far.csv
+native --boundary taylor-cell --path far.csv -o far.out --dump far.dump 2>/dev/null
+check "positions of a dump follow the grains through the box" awk -v tol=1e-12 '
+  function close_to(a, b) { return a - b < tol && b - a < tol }
+  BEGIN { F[1] = "1 1.3 0 1"; F[2] = "0.8 -1.1 0.6 0.9" }
+  FNR == 1 { file++ }
+  file == 1 && NF >= 7 && $1 ~ /^[0-9]+$/ { X[$1] = $5; Y[$1] = $6; next }
+  file == 1 { next }
+  /^ITEM: TIMESTEP/ { getline step; next }
+  /^ITEM: BOX/ { getline a; getline b; split(a, x); split(b, y); xy = x[3]; lx = x[2] - x[1] - (xy < 0 ? -xy : xy); ly = y[2] - y[1]; getline a; next }
+  NF == 13 && step > 0 {
+    split(F[step], f, " ")
+    c = f[1] / sqrt(f[1] ^ 2 + f[3] ^ 2); s = f[3] / sqrt(f[1] ^ 2 + f[3] ^ 2)
+    u = f[1] * X[$10] + f[2] * Y[$10]; v = f[3] * X[$10] + f[4] * Y[$10]
+    if (!close_to($3 + $6 * lx + $7 * xy, c * u + s * v) || !close_to($4 + $7 * ly, c * v - s * u)) exit 1
+    n++; moved += $6 != 0 || $7 != 0
+  }
+  END { exit !(n > 50 && moved > 10) }' "$packing" far.dump
 check "the dump has rotations" grep -q '^ITEM: ATOMS .* theta$' rub.dump
 native --path path.csv --friction-coefficient "$(awk 'BEGIN {p = atan2(0, -1) / 9; printf "%.17g", sin(p) / cos(p)}')" --hardening 10 -o mu.csv 2>/dev/null
 check "the coefficient is the tangent of the angle" /usr/bin/python3 -c '
