@@ -63,6 +63,7 @@ static gh_status columns_check(const gh_scene *s) {
   scene_history_columns(s, header);
   gh_status status;
   size_t length;
+  GH_TRY_OR(gh_text_check(header), done);
   gh_text_get(header, &length);
   GH_TRY_OR(gh_alloc(s->ctx, length + 1, 1, &text), done);
   memcpy(text, gh_text_get(header, NULL), length);
