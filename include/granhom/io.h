@@ -85,14 +85,6 @@ void gh_text_join(gh_text *text, const gh_text *other);
 /* Replaces what was collected. */
 gh_status gh_text_set(gh_text *text, const char *bytes, size_t length);
 gh_status gh_text_commit(gh_text *text, const char *path); /* may be called again after more printing */
-/* A new file beside path for another writer (gnuplot), which overwrites the file of that name; the commit
- * fsyncs it and renames it into the place of path, whose permissions it keeps. GH_SYSTEM: path cannot be
- * written, is a folder or a device. Without a commit gh_temp_destroy removes it. */
-typedef struct gh_temp gh_temp;
-gh_status gh_temp_create(gh_context *ctx, const char *path, gh_temp **temp);
-const char *gh_temp_name(const gh_temp *temp);
-gh_status gh_temp_commit(gh_temp **temp); /* *temp is destroyed, also when this fails */
-void gh_temp_destroy(gh_temp **temp);
 /* GH_SYSTEM when path could not be written, which is tried with a file beside it that is removed again: what
  * a long computation would find at its end. */
 gh_status gh_file_writable(gh_context *ctx, const char *path);

@@ -19,16 +19,14 @@
 
 enum { MOST_LINKS = 40, MOST_NAMES = 100 };
 
-struct gh_temp {
-  gh_context *ctx;
-  char *path;   /* as the caller calls it, for messages */
+typedef struct new_file {
   char *target; /* the file itself, behind symbolic links */
   char *name;   /* of the new file; it exists when `named` */
   int fd;
   bool there, named; /* there: the target exists */
   bool unable;       /* this system cannot make a file without a name, or cannot give it one */
   struct stat old;   /* of the target that is there */
-};
+} new_file;
 
 static gh_status cannot_write(gh_context *ctx, const char *path, int reason) {
   return gh_fail(ctx, GH_SYSTEM, "%s: cannot write: %s", path, strerror(reason));
@@ -74,8 +72,8 @@ static int target_find(const char *path, char **target) {
 }
 
 /* A file that its owner has made read-only is not replaced, though its folder would allow that. */
-static int target_check(gh_temp *t) {
-  int reason = target_find(t->path, &t->target);
+static int target_check(const char *path, new_file *t) {
+  int reason = target_find(path, &t->target);
   if (reason) return reason;
   t->there = stat(t->target, &t->old) == 0;
   if (!t->there) return errno == ENOENT ? 0 : errno;
@@ -94,7 +92,7 @@ static uint64_t random_bits(void) {
 }
 
 /* A new name in the target's folder. 0, or ENOMEM. */
-static int name_draw(gh_temp *t) {
+static int name_draw(new_file *t) {
   char base[40];
   snprintf(base, sizeof base, ".granhom-%016llx.tmp", (unsigned long long)random_bits());
   char *folder = gh_path_folder(t->target);
@@ -105,11 +103,11 @@ static int name_draw(gh_temp *t) {
 }
 
 /* Until it is complete nobody else may read what takes the place of a file that nobody else may read. */
-static mode_t mode_at_first(const gh_temp *t) {
+static mode_t mode_at_first(const new_file *t) {
   return t->there ? 0600 : 0666;
 }
 
-static int open_named(gh_temp *t) {
+static int open_named(new_file *t) {
   int reason = EEXIST;
   for (int k = 0; k < MOST_NAMES && reason == EEXIST; k++) {
     reason = name_draw(t);
@@ -121,7 +119,7 @@ static int open_named(gh_temp *t) {
   return reason;
 }
 
-static int open_nameless(gh_temp *t) {
+static int open_nameless(new_file *t) {
   char *folder = gh_path_folder(t->target);
   if (!folder) return ENOMEM;
   t->fd = open(folder, O_WRONLY | O_TMPFILE | O_CLOEXEC, mode_at_first(t));
@@ -132,7 +130,7 @@ static int open_nameless(gh_temp *t) {
 }
 
 /* A nameless file gets a name. */
-static int name_give(gh_temp *t) {
+static int name_give(new_file *t) {
   char self[40];
   int reason = EEXIST;
   snprintf(self, sizeof self, "/proc/self/fd/%d", t->fd);
@@ -147,7 +145,7 @@ static int name_give(gh_temp *t) {
 }
 
 /* Owner and permissions of the file that is replaced. Another owner can be kept by root alone. */
-static int mode_keep(const gh_temp *t) {
+static int mode_keep(const new_file *t) {
   if (!t->there) return 0;
   if (t->old.st_uid != geteuid() || t->old.st_gid != getegid()) {
     int kept = fchown(t->fd, t->old.st_uid, t->old.st_gid);
@@ -171,7 +169,7 @@ static int folder_sync(const char *path) {
 }
 
 /* The new file is on disk and has a name; its descriptor is closed. */
-static int file_complete(gh_temp *t) {
+static int file_complete(new_file *t) {
   int reason = mode_keep(t);
   if (!reason && fsync(t->fd) != 0) reason = errno;
   if (!reason && !t->named) reason = name_give(t);
@@ -180,78 +178,43 @@ static int file_complete(gh_temp *t) {
   return reason;
 }
 
-static int file_replace(gh_temp *t) {
+static int file_replace(new_file *t) {
   if (rename(t->name, t->target) != 0) return errno;
   t->named = false;
   return folder_sync(t->target);
 }
 
-static int temp_open(gh_context *ctx, const char *path, gh_temp *t) {
-  *t = (gh_temp){.ctx = ctx, .fd = -1, .path = strdup(path)};
-  return t->path ? target_check(t) : ENOMEM;
+static int new_file_open(const char *path, new_file *t) {
+  *t = (new_file){.fd = -1};
+  return target_check(path, t);
 }
 
 /* Drops a new file that has not taken its place. */
-static void file_drop(gh_temp *t) {
+static void file_drop(new_file *t) {
   if (t->fd >= 0) close(t->fd);
   if (t->named) unlink(t->name);
   t->fd = -1;
   t->named = false;
 }
 
-static void temp_close(gh_temp *t) {
+static void new_file_close(new_file *t) {
   file_drop(t);
-  free(t->path);
   free(t->target);
   free(t->name);
 }
 
-/* ---- for other writers ---- */
-
-gh_status gh_temp_create(gh_context *ctx, const char *path, gh_temp **temp) {
-  gh_temp *t;
-  *temp = NULL;
-  GH_TRY(gh_alloc(ctx, 1, sizeof *t, &t));
-  int reason = temp_open(ctx, path, t);
-  if (!reason && t->there && !S_ISREG(t->old.st_mode)) reason = EINVAL;
-  if (!reason) reason = open_named(t);
-  if (!reason) *temp = t;
-  else gh_temp_destroy(&t);
-  return reason ? cannot_write(ctx, path, reason) : GH_OK;
-}
-
-const char *gh_temp_name(const gh_temp *t) {
-  return t->name;
-}
-
-gh_status gh_temp_commit(gh_temp **temp) {
-  gh_temp *t = *temp;
-  int reason = file_complete(t);
-  if (!reason) reason = file_replace(t);
-  gh_status s = reason ? cannot_write(t->ctx, t->path, reason) : GH_OK;
-  gh_temp_destroy(temp);
-  return s;
-}
-
-void gh_temp_destroy(gh_temp **temp) {
-  if (!temp || !*temp) return;
-  temp_close(*temp);
-  free(*temp);
-  *temp = NULL;
-}
+/* ---- files ---- */
 
 gh_status gh_file_writable(gh_context *ctx, const char *path) {
-  gh_temp t;
-  int reason = temp_open(ctx, path, &t);
+  new_file t;
+  int reason = new_file_open(path, &t);
   if (!reason && t.there && !S_ISREG(t.old.st_mode)) reason = access(path, W_OK) == 0 ? 0 : errno;
   else if (!reason) reason = open_named(&t);
-  temp_close(&t);
+  new_file_close(&t);
   return reason ? cannot_write(ctx, path, reason) : GH_OK;
 }
 
-/* ---- bytes ---- */
-
-static int bytes_write(gh_temp *t, const void *bytes, size_t length, bool named) {
+static int bytes_write(new_file *t, const void *bytes, size_t length, bool named) {
   int reason = named ? open_named(t) : open_nameless(t);
   if (!reason) reason = write_all(t->fd, bytes, length);
   if (!reason) reason = file_complete(t);
@@ -269,14 +232,14 @@ static int device_write(const char *path, const void *bytes, size_t length) {
 }
 
 gh_status gh_file_write(gh_context *ctx, const char *path, const void *bytes, size_t length) {
-  gh_temp t;
-  int reason = temp_open(ctx, path, &t);
+  new_file t;
+  int reason = new_file_open(path, &t);
   if (!reason && t.there && !S_ISREG(t.old.st_mode)) {
     reason = device_write(path, bytes, length);
   } else if (!reason) {
     reason = bytes_write(&t, bytes, length, false);
     if (reason && t.unable) reason = bytes_write(&t, bytes, length, true);
   }
-  temp_close(&t);
+  new_file_close(&t);
   return reason ? cannot_write(ctx, path, reason) : GH_OK;
 }

@@ -118,49 +118,17 @@ static int count_all(const char *folder) {
   return n;
 }
 
-static void write_name(const char *path, const char *text) {
-  FILE *file = fopen(path, "w");
-  assert_non_null(file);
-  assert_true(fputs(text, file) >= 0);
-  assert_int_equal(fclose(file), 0);
-}
-
-/* What another writer puts into the new file takes the place of the old one with the commit, keeps its
- * permissions, and leaves nothing without a commit. */
-static void other_writers_replace_files(void **state) {
+/* Whether a file can be written is found without leaving anything, and without changing what is there. */
+static void what_can_be_written_is_known_before(void **state) {
   place *p = *state;
   const char *path = put_file(p, "a", "before");
-  gh_temp *t, *u;
-  assert_int_equal(chmod(path, 0640), 0);
-  assert_int_equal(gh_temp_create(p->ctx, path, &t), GH_OK);
-  assert_int_equal(gh_temp_create(p->ctx, path, &u), GH_OK);
-  assert_string_not_equal(gh_temp_name(t), gh_temp_name(u));
-  assert_int_equal(mode_of(gh_temp_name(t)), 0600);
-  write_name(gh_temp_name(t), "after");
+  assert_int_equal(gh_file_writable(p->ctx, path), GH_OK);
   assert_file(path, "before");
-  assert_int_equal(gh_temp_commit(&t), GH_OK);
-  assert_null(t);
-  assert_file(path, "after");
-  assert_int_equal(mode_of(path), 0640);
-  gh_temp_destroy(&u);
-  assert_null(u);
-  gh_temp_destroy(&u);
-  assert_int_equal(count_all(p->folder), 1);
-}
-
-/* A new file that cannot take its place is removed. */
-static void what_cannot_be_replaced_leaves_nothing(void **state) {
-  place *p = *state;
-  const char *path = in_folder(p, "a");
-  gh_temp *t;
-  assert_int_equal(gh_temp_create(p->ctx, p->folder, &t), GH_SYSTEM);
-  assert_null(t);
+  assert_int_equal(gh_file_writable(p->ctx, in_folder(p, "b")), GH_OK);
+  assert_int_equal(gh_file_writable(p->ctx, "/dev/null"), GH_OK);
+  assert_int_equal(gh_file_writable(p->ctx, p->folder), GH_SYSTEM);
   assert_message(p, p->folder, ": cannot write: Is a directory");
-  assert_int_equal(gh_temp_create(p->ctx, "/dev/null", &t), GH_SYSTEM);
-  assert_int_equal(gh_temp_create(p->ctx, path, &t), GH_OK);
-  assert_int_equal(mkdir(path, 0700), 0);
-  assert_int_equal(gh_temp_commit(&t), GH_SYSTEM);
-  assert_message(p, path, ": cannot write: Is a directory");
+  assert_int_equal(gh_file_writable(p->ctx, in_folder(p, "none/b")), GH_SYSTEM);
   assert_int_equal(count_all(p->folder), 1);
 }
 
@@ -297,8 +265,7 @@ int main(void) {
                                      TEST(devices_are_not_replaced),
                                      TEST(links_stay),
                                      TEST(places_that_cannot_be_written),
-                                     TEST(other_writers_replace_files),
-                                     TEST(what_cannot_be_replaced_leaves_nothing),
+                                     TEST(what_can_be_written_is_known_before),
                                      TEST(permissions_are_kept),
                                      TEST(links_at_other_names_are_not_followed),
                                      TEST(links_are_followed_to_their_end),
