@@ -9,6 +9,7 @@
 
 #include <dirent.h>
 #include <errno.h>
+#include <limits.h>
 #include <fcntl.h>
 #include <stdlib.h>
 #include <string.h>
@@ -30,6 +31,7 @@ static bool pass_frame(FILE *file, char **line, size_t *size, long counter) {
   if (!pass_line(file, line, size) || sscanf(*line, "%ld", &step) != 1 || step >= counter) return false;
   if (!pass_line(file, line, size)) return false;
   if (!pass_line(file, line, size) || sscanf(*line, "%ld", &rows) != 1) return false;
+  if (rows < 0 || rows > LONG_MAX - 5) return false;
   for (long k = 0; k < rows + 5; k++) /* box and its three sides, head of the table, rows */
     if (!pass_line(file, line, size)) return false;
   return true;

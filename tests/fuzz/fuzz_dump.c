@@ -4,9 +4,12 @@
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
   const char *file = fuzz_file("packings", "dump", data, size);
+  gh_context *ctx = fuzz_begin();
   for (int counter = 0; counter < 4; counter++) {
-    off_t end = find_end(file, counter);
+    off_t end = -1;
+    fuzz_require(find_end(ctx, file, counter, &end) == GH_OK, gh_message(ctx));
     fuzz_require(end >= 0 && end <= (off_t)size, "an end outside the file");
   }
+  fuzz_end(ctx);
   return 0;
 }

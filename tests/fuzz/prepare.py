@@ -133,7 +133,7 @@ class Work:
         self.seed("words", [WORDS] + [w + "\n" for w in WORDS.split("\n")])
         self.seed("dump", [self.data + "/states/dump"])
         self.seed("record", sorted(glob.glob(self.data + "/records/runs/*.json")))
-        changes = [bytes([kind, 3, 1, name, 5, 0, 200, 0, 9, 130]) for kind in range(5) for name in range(12)]
+        changes = [bytes([kind, 3, 1, name, 5, 0, 200, 0, 9, 130]) for kind in range(5) for name in range(kind % 3, 12, 3)]
         self.seed("state", changes)
         self.seed("bytes", [bytes([k * 16 % 256, k // 16, 1 + k % 255]) for k in range(0, 380, 5)] + [b"\0\0\0"])
         self.seed("checkpoint", [b"\x00\x00\x00" + c for c in changes] + [b"\x80\x10\x01\x00", b"\x81\x10\x01\x00"])
