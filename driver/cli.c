@@ -60,6 +60,7 @@ gh_context *cli_open(void) {
     fprintf(stderr, "granhom: out of memory\n");
     return NULL;
   }
+  gh_temporary_clean();
   screen.terminal = isatty(STDERR_FILENO) == 1;
   screen.last = gh_seconds();
   gh_set_log(ctx, log_line, NULL);

@@ -1,7 +1,7 @@
 /* The ranks of a command, by MPI. SPDX-License-Identifier: GPL-2.0-or-later */
 #include "cli.h"
+#include "granhom/io.h"
 
-#include <ftw.h>
 #include <mpi.h>
 #include <stdlib.h>
 
@@ -15,41 +15,32 @@ int cli_rank(void) {
   return rank;
 }
 
-static char session[512]; /* folder of this process for Open MPI's session; "": none of its own */
-
-static int remove_entry(const char *path, const struct stat *info, int kind, struct FTW *place) {
-  (void)info, (void)kind, (void)place;
-  return remove(path);
-}
+static gh_temporary session = {.lock = -1}; /* folder of this process for Open MPI's session */
 
 static void finalize(void) {
   int done = 0;
   MPI_Finalized(&done);
   if (!done) MPI_Finalize();
-  if (*session) nftw(session, remove_entry, 8, FTW_DEPTH | FTW_PHYS);
+  gh_temporary_remove(&session);
 }
 
 /* Open MPI keeps a folder for each session below one of the user, and processes that start and end at the
  * same time may remove it under each other. Each process gets one of its own. */
-static void own_session(void) {
-  const char *base = getenv("TMPDIR");
-  if (getenv("OMPI_MCA_orte_tmpdir_base")) return;
-  int n = snprintf(session, sizeof session, "%s/granhom-XXXXXX", base && *base ? base : "/tmp");
-  if (n < 0 || (size_t)n >= sizeof session || !mkdtemp(session)) {
-    *session = '\0'; /* Open MPI then does as it always does */
-    return;
-  }
-  setenv("OMPI_MCA_orte_tmpdir_base", session, 1);
+static gh_status own_session(gh_context *ctx) {
+  if (getenv("OMPI_MCA_orte_tmpdir_base")) return GH_OK;
+  GH_TRY(gh_temporary_make(ctx, "mpi", &session));
+  setenv("OMPI_MCA_orte_tmpdir_base", session.folder, 1);
+  return GH_OK;
 }
 
 /* Started by hand and not by mpirun or a batch system: Open MPI then needs no helper process, which takes
  * time and memory. */
-static void start_alone(void) {
+static gh_status start_alone(gh_context *ctx) {
   static const char *const launched[] = {"OMPI_COMM_WORLD_SIZE", "PMIX_RANK", "PMI_RANK", "PMI_SIZE"};
   for (size_t k = 0; k < sizeof launched / sizeof *launched; k++)
-    if (getenv(launched[k])) return;
+    if (getenv(launched[k])) return GH_OK;
   setenv("OMPI_MCA_ess_singleton_isolated", "1", 0);
-  own_session();
+  return own_session(ctx);
 }
 
 gh_status cli_mpi(gh_context *ctx, bool single) {
@@ -57,7 +48,7 @@ gh_status cli_mpi(gh_context *ctx, bool single) {
   MPI_Initialized(&begun);
   if (!begun) {
     gh_h5_start();
-    start_alone();
+    GH_TRY(start_alone(ctx));
     if (MPI_Init(NULL, NULL) != MPI_SUCCESS) return gh_fail(ctx, GH_SYSTEM, "MPI cannot be started");
     atexit(finalize);
   }

@@ -102,6 +102,18 @@ gh_status gh_file_remove(gh_context *ctx, const char *path);
 typedef struct gh_lock gh_lock;
 gh_status gh_lock_create(gh_context *ctx, const char *folder, gh_lock **lock);
 void gh_lock_destroy(gh_lock **lock);
+
+/* A folder of this process for temporary files, in $TMPDIR or /tmp. */
+typedef struct gh_temporary {
+  char folder[512]; /* whole name; "": none */
+  int lock;
+} gh_temporary;
+/* what: a word of small letters for its name. GH_SYSTEM: no folder can be made there. */
+gh_status gh_temporary_make(gh_context *ctx, const char *what, gh_temporary *t);
+/* With all that is in it. */
+void gh_temporary_remove(gh_temporary *t);
+/* Removes the folders that killed processes of this user have left. Links are not followed. */
+void gh_temporary_clean(void);
 /* dir + "/" + name; name alone when it is absolute. Caller frees. NULL when out of memory. */
 char *gh_path_join(const char *dir, const char *name);
 /* Folder of a path ("." when it has none). Caller frees. */

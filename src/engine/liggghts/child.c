@@ -19,15 +19,16 @@ static bool runnable(const char *path) {
 }
 
 char *child_find(const char *program) {
-  if (strchr(program, '/')) return runnable(program) ? strdup(program) : NULL;
+  if (strchr(program, '/')) return runnable(program) ? realpath(program, NULL) : NULL;
   const char *at = getenv("PATH");
   while (at && *at && *program) {
     size_t folder = strcspn(at, ":"), size = folder + strlen(program) + 3;
     char *path = malloc(size);
     if (!path) return NULL;
     snprintf(path, size, "%.*s/%s", folder ? (int)folder : 1, folder ? at : ".", program);
-    if (runnable(path)) return path;
+    char *whole = runnable(path) ? realpath(path, NULL) : NULL;
     free(path);
+    if (whole) return whole;
     at += folder + (at[folder] == ':');
   }
   return NULL;
@@ -57,12 +58,13 @@ static gh_status environment(gh_context *ctx, char *tmpdir, char ***copy) {
 
 /* In the child: nothing but calls that are safe after fork. A group of its own, so that all of it can be
  * killed; and it does not outlive this program. */
-static void become(char *const argv[], char *const env[], const char *output, pid_t parent) {
+static void become(char *const argv[], char *const env[], const char *output, const char *folder,
+                   pid_t parent) {
   setpgid(0, 0);
   prctl(PR_SET_PDEATHSIG, SIGKILL);
   if (getppid() != parent) _exit(127);
   int in = open("/dev/null", O_RDONLY), out = open(output, O_WRONLY | O_CREAT | O_TRUNC, 0600);
-  if (in < 0 || out < 0 || dup2(in, STDIN_FILENO) < 0 || dup2(out, STDOUT_FILENO) < 0 ||
+  if (in < 0 || out < 0 || chdir(folder) != 0 || dup2(in, STDIN_FILENO) < 0 || dup2(out, STDOUT_FILENO) < 0 ||
       dup2(out, STDERR_FILENO) < 0)
     _exit(127);
   execve(argv[0], argv, env);
@@ -98,7 +100,7 @@ gh_status child_run(gh_context *ctx, char *const argv[], const char *output, con
   snprintf(tmpdir, sizeof tmpdir, "TMPDIR=%s", folder);
   GH_TRY(environment(ctx, tmpdir, &env));
   pid_t parent = getpid(), pid = fork();
-  if (pid == 0) become(argv, env, output, parent);
+  if (pid == 0) become(argv, env, output, folder, parent);
   free(env);
   if (pid < 0) return gh_fail(ctx, GH_SYSTEM, "%s cannot be started: %s", argv[0], strerror(errno));
   setpgid(pid, pid); /* before it may have to be killed; the child does the same, whoever comes first */

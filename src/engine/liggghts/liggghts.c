@@ -10,27 +10,28 @@
 #include "granhom/io.h"
 
 #include <errno.h>
-#include <ftw.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 /* Columns of the contacts' file: positions of both grains, ids and a flag, force on the first (and the
  * overlap, which the script itself uses). */
 enum { X1, Y1, Z1, X2, Y2, Z2, ID1, ID2, PERIODIC, FX, FY, FZ, COLUMNS };
 
+enum { PATH_SIZE = sizeof(((gh_temporary *)NULL)->folder) + 32 };
+
 typedef struct liggghts {
   gh_context *ctx;
   const gh_peer_problem *p;
   peer_motion m;
-  char *program, folder[200];
+  char *program;
+  gh_temporary own; /* folder that the program runs in: the script names files without it */
 } liggghts;
 
 /* ---- what it reads ---- */
 
 static gh_status write_data(const liggghts *g) {
   gh_text *text;
-  char path[256];
+  char path[PATH_SIZE];
   peer_cell c;
   double z = 0;
   peer_cell_find(g->p, -1, &c);
@@ -47,7 +48,7 @@ static gh_status write_data(const liggghts *g) {
     /* in the plane the mass is density pi r^2: 1 */
     gh_text_print(text, "%d 1 %.17g %.17g %.17g %.17g 0\n", i + 1, 2 * r, 1 / (acos(-1) * r * r), y[0], y[1]);
   }
-  snprintf(path, sizeof path, "%s/packing.data", g->folder);
+  snprintf(path, sizeof path, "%s/packing.data", g->own.folder);
   gh_status status = gh_text_commit(text, path);
   gh_text_destroy(&text);
   return status;
@@ -57,8 +58,8 @@ static void print_setup(const liggghts *g, gh_text *s) {
   const peer_motion *m = &g->m;
   gh_text_print(s, "units si\ndimension 2\nboundary p p p\natom_style granular\natom_modify map array sort 0 "
                    "0\ncommunicate single vel yes\nnewton off\n");
-  gh_text_print(s, "read_data %s/packing.data\nneighbor %.17g bin\nneigh_modify delay 0 every 1 check yes\n",
-                g->folder, m->skin);
+  gh_text_print(s, "read_data packing.data\nneighbor %.17g bin\nneigh_modify delay 0 every 1 check yes\n",
+                m->skin);
   const struct {
     const char *name;
     double value;
@@ -140,7 +141,7 @@ static void print_row(const liggghts *g, gh_text *s, int row) {
   /* the residual before the dump: its run sets up anew, with the drag of the velocities half a step later */
   gh_text_print(s, "print \"granhom row %d ${now} ${rforce} ${rdrag} %s\"\n", row,
                 g->m.rotate ? "${rmoment}" : "0");
-  gh_text_print(s, "dump rest all local 1 %s/contacts.%d", g->folder, row);
+  gh_text_print(s, "dump rest all local 1 contacts.%d", row);
   for (int k = 1; k <= COLUMNS; k++) gh_text_print(s, " c_contact[%d]", k);
   gh_text_print(s, "\ndump_modify rest format \"");
   for (int k = 0; k < COLUMNS; k++) gh_text_print(s, "%%.17g ");
@@ -149,11 +150,11 @@ static void print_row(const liggghts *g, gh_text *s, int row) {
 
 static gh_status write_script(const liggghts *g) {
   gh_text *s;
-  char path[256];
+  char path[PATH_SIZE];
   GH_TRY(gh_text_create(g->ctx, &s));
   print_setup(g, s);
   for (int row = 0; row < g->p->rows; row++) print_row(g, s, row);
-  snprintf(path, sizeof path, "%s/in.path", g->folder);
+  snprintf(path, sizeof path, "%s/in.path", g->own.folder);
   gh_status status = gh_text_commit(s, path);
   gh_text_destroy(&s);
   return status;
@@ -163,14 +164,14 @@ static gh_status write_script(const liggghts *g) {
 
 /* The contacts of a row; branch vectors to the nearest image, as cells are wide. */
 static gh_status read_contacts(const liggghts *g, int row, gh_peer_row *r) {
-  char path[256], *line = NULL;
+  char path[PATH_SIZE], *line = NULL;
   size_t size = 0;
   peer_cell c;
   peer_sum sum = {0};
   bool entries = false, number = false, good = true;
   int wanted = -1;
   peer_cell_find(g->p, row, &c);
-  snprintf(path, sizeof path, "%s/contacts.%d", g->folder, row);
+  snprintf(path, sizeof path, "%s/contacts.%d", g->own.folder, row);
   FILE *file = fopen(path, "r");
   if (!file) return gh_fail(g->ctx, GH_ENGINE, "LIGGGHTS has not written its contacts");
   while (good && getline(&line, &size, file) > 0) {
@@ -258,17 +259,16 @@ static void tell_end(const liggghts *g, child_end end, int code, const report *t
 }
 
 static gh_status run(const liggghts *g, gh_peer_row *row, gh_peer_result *result) {
-  char script[256], output[256];
+  char output[PATH_SIZE];
   child_end end;
   int code;
   report t;
   GH_TRY(write_data(g));
   GH_TRY(write_script(g));
-  snprintf(script, sizeof script, "%s/in.path", g->folder);
-  snprintf(output, sizeof output, "%s/output", g->folder);
-  char in[] = "-in", log[] = "-log", none[] = "none";
+  snprintf(output, sizeof output, "%s/output", g->own.folder);
+  char in[] = "-in", script[] = "in.path", log[] = "-log", none[] = "none";
   char *const argv[] = {g->program, in, script, log, none, NULL};
-  GH_TRY(child_run(g->ctx, argv, output, g->folder, g->p->seconds, &end, &code));
+  GH_TRY(child_run(g->ctx, argv, output, g->own.folder, g->p->seconds, &end, &code));
   GH_TRY(read_output(g, output, row, &t));
   for (; result->rows < t.rows; result->rows++) GH_TRY(read_contacts(g, result->rows, row + result->rows));
   tell_end(g, end, code, &t, result);
@@ -287,24 +287,6 @@ static bool tilted(const gh_peer_problem *p, gh_peer_result *r) {
   return false;
 }
 
-static gh_status make_folder(liggghts *g) {
-  const char *root = getenv("TMPDIR");
-  if (!root || !*root || strlen(root) > 150) root = "/tmp";
-  snprintf(g->folder, sizeof g->folder, "%s/granhom-liggghts-XXXXXX", root);
-  if (mkdtemp(g->folder)) return GH_OK;
-  return gh_fail(g->ctx, GH_SYSTEM, "%s: no folder for temporary files: %s", g->folder, strerror(errno));
-}
-
-static int remove_one(const char *path, const struct stat *what, int type, struct FTW *place) {
-  (void)what, (void)type, (void)place;
-  return remove(path), 0;
-}
-
-/* With what a program that was killed has left in it. */
-static void remove_folder(const liggghts *g) {
-  nftw(g->folder, remove_one, 8, FTW_DEPTH | FTW_PHYS);
-}
-
 gh_status peer_liggghts(gh_context *ctx, const gh_peer_problem *p, gh_peer_row *row, gh_peer_result *result) {
   const char *name = p->program ? p->program : "liggghts";
   liggghts g = {.ctx = ctx, .p = p, .m = peer_motion_of(p), .program = child_find(name)};
@@ -314,10 +296,10 @@ gh_status peer_liggghts(gh_context *ctx, const gh_peer_problem *p, gh_peer_row *
   }
   gh_status status = GH_OK;
   if (!tilted(p, result)) {
-    status = make_folder(&g);
+    status = gh_temporary_make(ctx, "liggghts", &g.own);
     if (status == GH_OK) {
       status = run(&g, row, result);
-      remove_folder(&g);
+      gh_temporary_remove(&g.own);
     }
   }
   free(g.program);
