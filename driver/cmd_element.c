@@ -149,9 +149,11 @@ static void write_header(job *j) {
       j->args->rve.law.friction ? ",energy_t,dissipation,sliding" : "");
 }
 
-static void write_row(job *j, int load_step, const gh_control_report *r, double seconds) {
+static gh_status write_row(job *j, int load_step, const gh_control_report *r, double seconds) {
   const gh_rve_measures *m = gh_rve_measure(j->rve);
   const double *const blocks[] = {m->F, m->P, m->cauchy};
+  size_t row;
+  gh_text_get(j->out, &row);
   gh_text_print(j->out, "%d", j->row);
   for (int b = 0; b < 3; b++)
     for (int k = 0; k < 4; k++) gh_text_print(j->out, ",%.17g", blocks[b][k]);
@@ -160,10 +162,12 @@ static void write_row(job *j, int load_step, const gh_control_report *r, double 
     gh_text_print(j->out, ",%.17g,%.17g,%d", m->energy_t, m->dissipation, m->sliding);
   gh_text_print(j->out, ",%d,%.17g,%.17g,%d,%d,%d,%d,%.6g\n", load_step, gh_det2(m->F),
                 -(m->cauchy[0] + m->cauchy[3]) / 2, r->iterations, r->parts, r->cuts, r->jumps, r->mismatch);
+  GH_TRY(gh_text_check_row(j->out, row, j->args->output ? j->args->output : "the result"));
   rve_doubts_tell(j->ctx, &j->doubts, j->row);
   j->row++;
   j->jumps += r->jumps;
   j->jumped += r->jumps > 0;
+  return GH_OK;
 }
 
 /* The file appears whole, the first time after the first increment, so that wrong input writes nothing; a
@@ -205,7 +209,7 @@ static gh_status increment(job *j, const element_step *s, int number, int k, con
   gh_status status = gh_control_solve(j->control, s->condition, target, &report);
   if (status != GH_OK)
     return gh_prefix(j->ctx, status, "%s, increment %d of %d: ", s->name, k + 1, s->increments);
-  write_row(j, number, &report, gh_seconds() - start);
+  GH_TRY(write_row(j, number, &report, gh_seconds() - start));
   return GH_OK;
 }
 
@@ -229,7 +233,7 @@ static gh_status walk(job *j) {
   double start = gh_seconds();
   gh_control_report none = {.parts = 1, .iterations = 1};
   GH_TRY(gh_control_start(j->control, gh_rve_F(j->rve)));
-  write_row(j, 0, &none, gh_seconds() - start);
+  GH_TRY(write_row(j, 0, &none, gh_seconds() - start));
   gh_work_begin(j->ctx, &work, "element", "increments", j->spec.increments);
   gh_status status = GH_OK;
   for (int n = 1; n <= j->spec.nsteps && status == GH_OK; n++) {

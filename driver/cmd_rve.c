@@ -144,7 +144,15 @@ static gh_status write_frame(job *j, long step) {
   return GH_OK;
 }
 
+static gh_status check_rows(job *j, size_t row, size_t tangent_row) {
+  GH_TRY(gh_text_check_row(j->out, row, j->args->output ? j->args->output : "the result"));
+  return j->tangent ? gh_text_check_row(j->tangent, tangent_row, j->args->tangent) : GH_OK;
+}
+
 static gh_status write_row(job *j, long step, const double A[16]) {
+  size_t row, tangent_row = 0;
+  gh_text_get(j->out, &row);
+  if (j->tangent) gh_text_get(j->tangent, &tangent_row);
   const gh_rve_measures *m = gh_rve_measure(j->rve);
   const double *const blocks[] = {m->F, m->P, m->cauchy};
   gh_text_print(j->out, "%ld", step);
@@ -160,6 +168,7 @@ static gh_status write_row(job *j, long step, const double A[16]) {
     for (int n = 0; n < 16; n++) gh_text_print(j->tangent, ",%.17g", A[n]);
     gh_text_print(j->tangent, "\n");
   }
+  GH_TRY(check_rows(j, row, tangent_row));
   if (m->unjammed)
     gh_log(j->ctx, GH_LEVEL_INFO, "step %ld: unjammed, no contact carries a force: P = 0", step);
   rve_doubts_tell(j->ctx, &j->doubts, step);

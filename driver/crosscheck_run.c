@@ -135,7 +135,7 @@ double cross_scale(const cross_job *j, const cross_level *level, int e) {
   double scale = 0;
   for (int row = 0; row < j->path.csv->nrows; row++) {
     const gh_peer_row *a = at(level, e, row);
-    for (int c = 0; a && c < 4; c++) scale = fmax(scale, fabs(a->cauchy[c]));
+    for (int c = 0; a && c < 4; c++) scale = gh_max(scale, fabs(a->cauchy[c]));
   }
   return scale;
 }
@@ -144,7 +144,7 @@ double cross_difference(const cross_level *level, int e, const cross_level *othe
   const gh_peer_row *a = at(level, e, row), *b = at(other, r, row);
   double d = 0;
   if (!a || !b) return NAN;
-  for (int c = 0; c < 4; c++) d = fmax(d, fabs(a->cauchy[c] - b->cauchy[c]));
+  for (int c = 0; c < 4; c++) d = gh_max(d, fabs(a->cauchy[c] - b->cauchy[c]));
   return d;
 }
 

@@ -4,7 +4,7 @@
 
 void rve_doubts_add(rve_doubts *d, const gh_rve_measures *m) {
   d->kept += m->kept;
-  if (m->accepted) d->residual = fmax(d->residual, m->residual);
+  if (m->accepted) d->residual = gh_max(d->residual, m->residual);
 }
 
 void rve_doubts_tell(gh_context *ctx, rve_doubts *d, long step) {

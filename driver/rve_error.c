@@ -20,8 +20,8 @@ bool rve_error_compare(rve_error *e, const double P[4], const double whole[4], c
   for (int k = 0; k < 4; k++) e->apart[k] = branched ? 0 : apart[k];
   memcpy(e->before, P, sizeof e->before);
   e->now = e->kept + norm4(e->apart);
-  e->most = fmax(e->most, e->now);
-  e->scale = fmax(e->scale, fmax(norm4(P), e->now));
+  e->most = gh_max(e->most, e->now);
+  e->scale = gh_max(e->scale, gh_max(norm4(P), e->now));
   e->compared++;
   e->branched += branched;
   return branched;

@@ -3,7 +3,7 @@
  * boundary          word
  * law               7: normal stiffness, friction or not, tangential stiffness, friction coefficient,
  * hardening, measure of slip, rotations fixed or not state             what gh_rve_save gives packing/cell 2
- * x 2;   packing/radius   grains;   packing/x   grains x 2
+ * x 2;   packing/radius   grains;   packing/x   grains x 2;   blas   word
  *
  * A state is numbers without a meaning of their own: loaded into another packing it would be a wrong answer
  * that looks right. Therefore the packing goes along, and is compared to the last bit. */
@@ -36,7 +36,10 @@ static gh_status put(gh_h5 *file, const gh_rve *rve, const gh_rve_options *o, co
   double law[LAW];
   gh_rve_save(rve, state);
   law_numbers(&o->law, law);
+  char blas[GH_BLAS_SIZE];
+  gh_blas(blas, sizeof blas);
   GH_TRY(gh_h5_put_text(file, "boundary", gh_boundary_name(o->boundary)));
+  GH_TRY(gh_h5_put_text(file, "blas", blas));
   GH_TRY(gh_h5_put_doubles(file, "law", LAW, 1, law));
   GH_TRY(gh_h5_put_doubles(file, "packing/cell", 2, 2, p->cell));
   GH_TRY(gh_h5_put_doubles(file, "packing/radius", (size_t)p->n, 1, p->radius));
@@ -65,6 +68,17 @@ static gh_status check_boundary(gh_context *ctx, const char *path, gh_h5 *file, 
   if (!strcmp(word, gh_boundary_name(boundary))) return GH_OK;
   return gh_fail(ctx, GH_INPUT, "%s: the state was saved with --boundary %s, and now it is %s", path, word,
                  gh_boundary_name(boundary));
+}
+
+/* States of an earlier version of granhom do not name it. */
+static void check_blas(gh_context *ctx, const char *path, gh_h5 *file) {
+  char there[GH_BLAS_SIZE] = "", here[GH_BLAS_SIZE];
+  gh_blas(here, sizeof here);
+  if (gh_h5_get_text(file, "blas", sizeof there, there) != GH_OK || strcmp(there, here) == 0) return;
+  gh_log(ctx, GH_LEVEL_WARNING,
+         "%s: the state was saved with the BLAS %s, and now it is %s: results agree to round-off, not to the "
+         "bit",
+         path, there, here);
 }
 
 static gh_status check_law(gh_context *ctx, const char *path, gh_h5 *file, const gh_contact_law *law) {
@@ -131,6 +145,7 @@ gh_status rve_state_load(gh_context *ctx, const char *path, gh_rve *rve, const g
   GH_TRY_OR(check_boundary(ctx, path, file, options->boundary), done);
   GH_TRY_OR(check_packing(ctx, path, file, packing, memory), done);
   GH_TRY_OR(check_law(ctx, path, file, &options->law), done);
+  check_blas(ctx, path, file);
   GH_TRY_OR(read_state(ctx, file, rve), done);
 done:
   if (status != GH_OK && strncmp(gh_message(ctx), path, strlen(path)) != 0)

@@ -82,6 +82,11 @@ gh_status gh_text_check(const gh_text *text);
 const char *gh_text_get(const gh_text *text, size_t *length);
 /* Adds what another text holds; where that has failed, so has this one. */
 void gh_text_join(gh_text *text, const gh_text *other);
+/* Of a table whose header is the text's first line: the rows from the byte `from` on hold no number that is
+ * nan or inf. GH_DIVERGED: one does; the message names table and column, and these rows are cut off again. */
+gh_status gh_text_check_row(gh_text *text, size_t from, const char *table);
+/* Drops what lies behind this length. */
+void gh_text_cut(gh_text *text, size_t length);
 /* Replaces what was collected. */
 gh_status gh_text_set(gh_text *text, const char *bytes, size_t length);
 gh_status gh_text_commit(gh_text *text, const char *path); /* may be called again after more printing */

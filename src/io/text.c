@@ -70,6 +70,46 @@ gh_status gh_text_set(gh_text *t, const char *bytes, size_t length) {
   return GH_OK;
 }
 
+/* The field is a word that printf gives for what is no finite number. */
+static bool is_finite_field(const char *at) {
+  if (*at == '-' || *at == '+') at++;
+  return strncmp(at, "nan", 3) != 0 && strncmp(at, "inf", 3) != 0;
+}
+
+/* Name of a column, from the text's first line. */
+static const char *column_name(const gh_text *t, int column, char name[64]) {
+  const char *at = t->bytes;
+  for (int k = 0; k < column && *at && *at != '\n'; at++) k += *at == ',';
+  snprintf(name, 64, "%.*s", (int)strcspn(at, ",\n"), at);
+  return name;
+}
+
+gh_status gh_text_check_row(gh_text *t, size_t from, const char *table) {
+  char name[64], value[32];
+  GH_TRY(gh_text_check(t));
+  int column = 0;
+  for (const char *at = t->bytes + from; from < t->length && *at; at++) {
+    const size_t length = strcspn(at, ",\n");
+    if (!is_finite_field(at) && strcmp(column_name(t, column, name), "name") != 0) {
+      snprintf(value, sizeof value, "%.*s", (int)length, at);
+      t->length = from;
+      t->bytes[from] = 0;
+      return gh_fail(t->ctx, GH_DIVERGED, "%s: %s would be %s, which is no result: the row is not written",
+                     table, column_name(t, column, name), value);
+    }
+    at += length;
+    column = *at == ',' ? column + 1 : 0;
+    if (!*at) break;
+  }
+  return GH_OK;
+}
+
+void gh_text_cut(gh_text *t, size_t length) {
+  if (length >= t->length) return;
+  t->length = length;
+  t->bytes[length] = 0;
+}
+
 gh_status gh_text_check(const gh_text *t) {
   if (!t->failed) return GH_OK;
   return gh_fail(t->ctx, GH_MEMORY, "no memory for a text (%zu bytes so far)", t->length);

@@ -179,8 +179,10 @@ static const char *in(char name[64], const char *folder, const char *what) {
 static gh_status put_marks(archive *a, const gh_scene *s) {
   mark list[MARKS];
   find_marks(s, list);
+  char blas[GH_BLAS_SIZE];
+  gh_blas(blas, sizeof blas);
   for (int k = 0; k < MARKS; k++) GH_TRY(gh_h5_put_text(a->file, list[k].name, list[k].value));
-  return GH_OK;
+  return gh_h5_put_text(a->file, "/made/blas", blas);
 }
 
 static gh_status put_position(archive *a, const scene_results *r, const scene_position *p) {
@@ -283,6 +285,17 @@ gh_status scene_checkpoint_find(const scene_results *r, bool *there) {
   return status;
 }
 
+/* Another BLAS gives results as right as before, but other last bits. */
+static void check_blas(archive *a) {
+  char there[GH_BLAS_SIZE] = "", here[GH_BLAS_SIZE];
+  gh_blas(here, sizeof here);
+  if (gh_h5_get_text(a->file, "/made/blas", sizeof there, there) == GH_OK && strcmp(there, here) != 0)
+    gh_log(a->ctx, GH_LEVEL_WARNING,
+           "the checkpoint was made with the BLAS %s, and now it is %s: results agree to round-off, not to "
+           "the bit",
+           there, here);
+}
+
 static gh_status check_marks(archive *a, const gh_scene *s) {
   mark list[MARKS];
   find_marks(s, list);
@@ -291,6 +304,7 @@ static gh_status check_marks(archive *a, const gh_scene *s) {
     GH_TRY(gh_h5_get_text(a->file, list[k].name, sizeof value, value));
     if (strcmp(value, list[k].value) != 0) return gh_fail(a->ctx, GH_INPUT, "it %s", list[k].what);
   }
+  check_blas(a);
   return GH_OK;
 }
 

@@ -60,15 +60,15 @@ static bool is_branched(const gh_scene *s, const gh_macro_report *halves, const 
 static void count(const gh_scene *s, const double off[GH_ERRORS], const double scale[GH_ERRORS],
                   bool branched, gh_run_estimate *e) {
   for (int k = 0; k < GH_ERRORS; k++) {
-    e->scale[k] = fmax(e->scale[k], fmax(scale[k], off[k]));
+    e->scale[k] = gh_max(e->scale[k], gh_max(scale[k], off[k]));
     if (branched && s->micro.law.friction) e->before[k] += e->off[k];
     e->off[k] = branched ? 0 : off[k];
     e->now[k] = e->before[k] + e->off[k];
-    e->error[k] = fmax(e->error[k], e->now[k]);
+    e->error[k] = gh_max(e->error[k], e->now[k]);
   }
   e->last_branched = branched;
   e->branched += branched;
-  if (branched) e->branch = fmax(e->branch, e->growth);
+  if (branched) e->branch = gh_max(e->branch, e->growth);
   e->increments++;
 }
 

@@ -56,9 +56,14 @@ static void direction(const finish_job *j, double p, const double g[3], double l
     for (int b = 0; b < 3; b++) {
       H[3 * a + b] = (j->A[4 * at[a] + at[b]] + j->A[4 * at[b] + at[a]]) / 2;
       if (a + b == 2 && a != b) H[3 * a + b] += p; /* d2 det / dF11 dF22 */
-      size = fmax(size, fabs(H[3 * a + b]));
+      size = gh_max(size, fabs(H[3 * a + b]));
     }
-  while (!solve(H, shift, g, d)) shift = shift > 0 ? 4 * shift : 1e-3 * size;
+  while (!solve(H, shift, g, d)) {
+    shift = shift > 0 ? 4 * shift : 1e-3 * size;
+    if (shift > 0 && shift <= 1e6 * size) continue;
+    d[0] = d[1] = d[2] = 0; /* a tangent that is zero or not finite: there is no direction */
+    return;
+  }
   double length = sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]);
   for (int a = 0; a < 3 && length > longest; a++) d[a] *= longest / length;
 }
@@ -89,14 +94,14 @@ static gh_status descend(finish_job *j, double p, const double g[3], const doubl
 
 static double deviation(const finish_job *j, double p) {
   const double *s = j->now.cauchy;
-  return fmax(fmax(fabs(s[0] + p), fabs(s[3] + p)), fmax(fabs(s[1]), fabs(s[2]))) / p;
+  return gh_max(gh_max(fabs(s[0] + p), fabs(s[3] + p)), gh_max(fabs(s[1]), fabs(s[2]))) / p;
 }
 
 gh_status finish_relax_cell(finish_job *j, double p) {
   bool found;
   GH_TRY(finish_try(j, j->F, true, &found)); /* the tangent of the state as it is */
   if (found) GH_TRY(finish_take(j));
-  for (int step = 0; step < MOST_STEPS && found && deviation(j, p) > stress_tolerance; step++) {
+  for (int step = 0; step < MOST_STEPS && found && !(deviation(j, p) <= stress_tolerance); step++) {
     double g[3], d[3], overlap = fmax(j->now.overlap, p / j->options->normal_stiffness);
     bool moved;
     gradient(j->F, j->P, p, g);

@@ -31,6 +31,9 @@ static void add_machine(gh_json root) {
     gh_json_text(o, "release", name.release);
     gh_json_text(o, "architecture", name.machine);
   }
+  char blas[GH_BLAS_SIZE];
+  gh_blas(blas, sizeof blas);
+  gh_json_text(o, "blas", blas);
   gh_json_number(o, "cores", (double)sysconf(_SC_NPROCESSORS_ONLN));
 }
 

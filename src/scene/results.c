@@ -117,6 +117,23 @@ static void look_at_points(scene_results *r) {
   }
 }
 
+/* The last guard: what is not finite is no result, whatever has let it pass. */
+static gh_status check_fields(const scene_results *r) {
+  const size_t ndof = 2 * (size_t)r->scene->mesh->nnodes, points = (size_t)gh_farm_size(r->farm);
+  const struct {
+    const char *name;
+    const double *value;
+    size_t n;
+  } all[] = {{"a displacement", gh_macro_u(r->macro), ndof},
+             {"a reaction", gh_macro_reactions(r->macro), ndof},
+             {"a stress", gh_macro_P(r->macro), 4 * points},
+             {"a tangent", gh_macro_A(r->macro), 16 * points}};
+  for (size_t k = 0; k < sizeof all / sizeof *all; k++)
+    if (!gh_finite(all[k].value, all[k].n))
+      return gh_fail(r->ctx, GH_DIVERGED, "%s is not finite: the increment is not written", all[k].name);
+  return GH_OK;
+}
+
 int scene_results_unjammed(const scene_results *r, double *min_acoustic) {
   *min_acoustic = r->min_acoustic;
   return r->unjammed;
@@ -141,12 +158,20 @@ static gh_status write_fields(scene_results *r, const scene_frame *f) {
 gh_status scene_results_write(scene_results *r, const scene_frame *f) {
   if (r->folder) GH_TRY(begin(r));
   look_at_points(r);
+  GH_TRY(check_fields(r));
   if (!r->folder) return GH_OK;
-  if (gh_h5_available()) GH_TRY(write_fields(r, f));
-  r->frames++;
-  GH_TRY(scene_write_dumps(r, f));
+  size_t rows;
+  gh_text_get(r->history, &rows);
   scene_history_row(r, f);
-  return write_tables(r);
+  gh_status status = gh_text_check_row(r->history, rows, "history.csv");
+  if (status == GH_OK && gh_h5_available()) status = write_fields(r, f);
+  if (status == GH_OK) {
+    r->frames++;
+    status = scene_write_dumps(r, f);
+  }
+  if (status == GH_OK) return write_tables(r);
+  gh_text_cut(r->history, rows); /* rows are of whole increments */
+  return status;
 }
 
 gh_status scene_results_close(scene_results *r, gh_status status, const char *outcome, const char *message,

@@ -250,7 +250,7 @@ static gh_status check_start(run *r) {
     gh_status status = gh_rve_evaluate(rve, F, 0, P, NULL);
     gh_rve_destroy(&rve);
     GH_TRY(status);
-    for (int k = 0; k < 4; k++) largest = fmax(largest, fabs(P[k]));
+    for (int k = 0; k < 4; k++) largest = gh_max(largest, fabs(P[k]));
   }
   if (largest < 1e-10 * s->micro.law.normal_stiffness) return GH_OK;
   return gh_fail(r->ctx, GH_INPUT,

@@ -218,13 +218,13 @@ static void take_line(const char *line, report *t, gh_peer_row *row, int rows, l
   double r[3];
   if (sscanf(line, "granhom row %d %ld %lf %lf %lf", &k, &step, r, r + 1, r + 2) == 5 && k == t->rows &&
       k < rows) {
-    row[k].residual = fmax(r[0], fmax(r[1], r[2]));
+    row[k].residual = gh_max(r[0], gh_max(r[1], r[2]));
     row[k].steps = step - *before;
     *before = step;
     t->rows++;
   } else if (sscanf(line, "granhom unrest %d %lf %lf %lf", &k, r, r + 1, r + 2) == 4) {
     t->unrest = true;
-    snprintf(t->last, sizeof t->last, "%.2g", fmax(r[0], fmax(r[1], r[2])));
+    snprintf(t->last, sizeof t->last, "%.2g", gh_max(r[0], gh_max(r[1], r[2])));
   } else if (*line && !t->unrest && !strstr(t->last, "ERROR")) snprintf(t->last, sizeof t->last, "%s", line);
 }
 

@@ -206,7 +206,7 @@ static gh_status finish_row(gran *g, gh_peer_row *r) {
   memcpy(upright.q, q, sizeof q);
   memcpy(upright.t, g->cell.t, sizeof upright.t);
   GH_TRY(sum_contacts(g, &upright, &turned));
-  for (int c = 0; c < 3; c++) worst = fmax(worst, fabs(p[c] + turned.cauchy[component[c]]));
+  for (int c = 0; c < 3; c++) worst = gh_max(worst, fabs(p[c] + turned.cauchy[component[c]]));
   double size = fmax(fabs(p[0]), fabs(p[1]));
   if (worst <= BALANCE * size || r->contacts == 0) return GH_OK;
   return gh_fail(g->ctx, GH_ENGINE,
