@@ -88,9 +88,10 @@ gh_status gh_text_check_row(gh_text *t, size_t from, const char *table) {
   char name[64], value[32];
   GH_TRY(gh_text_check(t));
   int column = 0;
+  for (size_t k = from; k > 0 && t->bytes[k - 1] != '\n'; k--) column += t->bytes[k - 1] == ',';
   for (const char *at = t->bytes + from; from < t->length && *at; at++) {
     const size_t length = strcspn(at, ",\n");
-    if (!is_finite_field(at) && strcmp(column_name(t, column, name), "name") != 0) {
+    if (!is_finite_field(at)) {
       snprintf(value, sizeof value, "%.*s", (int)length, at);
       t->length = from;
       t->bytes[from] = 0;

@@ -110,13 +110,15 @@ static void history_errors(scene_results *r, const scene_frame *f) {
   gh_text_print(r->history, "\n");
 }
 
-void scene_history_row(scene_results *r, const scene_frame *f) {
+size_t scene_history_row(scene_results *r, const scene_frame *f) {
+  size_t numbers;
   gh_text *t = r->history;
   gh_text_print(t, "%d,%d,", f->counter, f->increment);
   for (const char *c = f->name; *c; c++)
     gh_text_print(t, "%c", *c == ',' || *c == '"' || *c == '\n' ? '_' : *c);
   gh_text_print(t, ",%d,%.17g", f->step, f->time);
   history_loads(r->scene, t, false);
+  gh_text_get(t, &numbers);
   for (int set = 0; set < r->scene->nsets; set++) {
     double sum[2];
     gh_macro_reaction(r->macro, set, sum);
@@ -137,6 +139,7 @@ void scene_history_row(scene_results *r, const scene_frame *f) {
                 now.evaluations - before->evaluations, now.computed - before->computed,
                 now.moved - before->moved, now.ranks);
   r->counted = now;
+  return numbers;
 }
 
 void scene_results_iteration(scene_results *r, int counter, const gh_macro_iteration *it) {

@@ -162,8 +162,8 @@ gh_status scene_results_write(scene_results *r, const scene_frame *f) {
   if (!r->folder) return GH_OK;
   size_t rows;
   gh_text_get(r->history, &rows);
-  scene_history_row(r, f);
-  gh_status status = gh_text_check_row(r->history, rows, "history.csv");
+  const size_t numbers = scene_history_row(r, f);
+  gh_status status = gh_text_check_row(r->history, numbers, "history.csv");
   if (status == GH_OK && gh_h5_available()) status = write_fields(r, f);
   if (status == GH_OK) {
     r->frames++;

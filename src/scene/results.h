@@ -35,7 +35,9 @@ const char *scene_h5_kind(const char *name);
 /* The names of its columns, with commas between, without an end of line. */
 void scene_history_columns(const gh_scene *scene, gh_text *out);
 void scene_history_header(scene_results *r);
-void scene_history_row(scene_results *r, const scene_frame *f);
+/* Returns where the fields begin that are numbers in every row: displacements that nothing prescribes are
+ * nan. */
+size_t scene_history_row(scene_results *r, const scene_frame *f);
 
 /* numbers.c: what is written of each material point under `name`, and its mean over an element where that has
  * a meaning. */
