@@ -404,7 +404,9 @@ static gh_status conclude(job *j) {
   GH_TRY(write_text(s, folder, "study.csv", study_write_csv));
   GH_TRY(write_text(s, folder, "curves.csv", study_write_curves));
   GH_TRY(write_text(s, folder, "study.md", study_write_markdown));
-  if (study_draw(s, folder) != GH_OK) gh_log(s->ctx, GH_LEVEL_WARNING, "no pictures: %s", gh_message(s->ctx));
+  gh_status drawn = study_draw(s, folder);
+  if (drawn == GH_MEMORY) return drawn;
+  if (drawn != GH_OK) gh_log(s->ctx, GH_LEVEL_WARNING, "no pictures: %s", gh_message(s->ctx));
   return look_for_results(s);
 }
 

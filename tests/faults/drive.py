@@ -109,7 +109,7 @@ class Server:
         self.file.write(f"{self.folder} {kind} {flavour} {point} {LIMIT}\n")
         self.file.flush()
         status, points, met, caller, crash, what = self.file.readline().rstrip("\n").split(" ", 5)
-        if caller == crash != "-":
+        if caller == crash and crash.startswith("lib"):
             what = THEIRS + what
         return int(status), int(points), met == "1", what
 
@@ -133,7 +133,7 @@ class Ranks:
                                                 for word in struct.unpack_from("li200s64s64s", file.read(340)))
         if status < 0:
             status = 128 - status
-        return status, points, met == 1, (THEIRS if crash and caller == crash else "") + what.decode()
+        return status, points, met == 1, (THEIRS if caller == crash and crash.startswith(b"lib") else "") + what.decode()
 
 
 # ---- what is on disk ----
