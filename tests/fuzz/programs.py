@@ -91,11 +91,17 @@ class Driver:
             o[r.randrange(len(o) // 2) * 2 + 1] = r.choice(NUMBERS + ["", "x"])
         return o
 
+    # A script of few steps: what takes long is no hang.
+    @staticmethod
+    def short(script):
+script = re.sub(r"cells index \d+", "cells index 5", re.sub(r"steps index \d+", "steps index 50", script))
+        return re.sub(r"^(run\s+)\d+", r"\g<1>2000", re.sub(r"loop \d+", "loop 2", script), flags=re.M)
+
     def make_lammps(self, here, r):
         scripts = sorted(glob.glob(self.root + "/lammps-inputs/in.*") + glob.glob(self.root + "/tests/fuzz/in.*"))
         shutil.copy(self.data + "/packings/p.data", here + "/p150.data")
         shutil.copy(self.data + "/packings/p.data", here + "/p20.data")
-        script = mutate(self.text(r.choice(scripts)), r, None)
+        script = mutate(self.short(self.text(r.choice(scripts))), r, None)
         self.put(here, "in.x", script)
         return ["lammps", "-in", "in.x", "-screen", "none"] if r.random() < 0.5 else ["lammps", "-in", "in.x", "-log", "none"]
 

@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# kill -9 at twenty random moments, on one, two and three ranks: every restart, on another number of ranks, ends with the history.csv of an
+# kill -9 at twenty random moments (six with sanitizers, where a run takes twenty times as long), on one, two and three ranks: every restart, on another number of ranks, ends with the history.csv of an
 # undisturbed run. SPDX-License-Identifier: GPL-2.0-or-later
 set -u
 . "$(dirname "$0")/../shell.sh" # begin, say
@@ -60,7 +60,7 @@ strike() {
 RANDOM=${SEED:-$(($(date +%s) % 32768))}
 echo "# SEED=$RANDOM, undisturbed $whole ms"
 lost=0 differ=0 hung=0 behind=0 rows=
-for k in $(seq 20); do
+for k in $(seq "${KILLS:-$([ -n "${SANITIZED:-}" ] && echo 6 || echo 20)}"); do
   ranks=$((k % most + 1))
   victim=$((RANDOM % (ranks + 1)))
   [ $victim = $ranks ] && victim=job
