@@ -3,7 +3,7 @@
 # `crosscheck`, LIGGGHTS, and with `fuzz`, clang with libFuzzer, which granhom can do without. Asks for root only when something is missing.
 # SPDX-License-Identifier: GPL-2.0-or-later
 set -eu
-build="gcc g++ make pkg-config lammps liblammps-dev libsuitesparse-dev libopenmpi-dev openmpi-bin libhdf5-openmpi-dev libyaml-dev libcjson-dev libcairo2-dev gnuplot-nox"
+build="gcc g++ make pkg-config lammps liblammps-dev libsuitesparse-dev libopenmpi-dev openmpi-bin libhdf5-openmpi-dev libyaml-dev libcjson-dev libcairo2-dev libxxhash-dev gnuplot-nox"
 [ "${HDF5:-1}" = 0 ] && build=$(echo "$build" | sed 's/ libhdf5-openmpi-dev//')
 [ "${MPI:-1}" = 0 ] && build=$(echo "$build" | sed 's/ openmpi-bin//') # LAMMPS's headers want mpi.h even so
 check="libcmocka-dev python3-minimal python3-meshio python3-vtk9 python3-h5py valgrind"

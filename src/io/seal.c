@@ -8,6 +8,9 @@
 
 #include "io/file.h"
 
+#define XXH_INLINE_ALL /* the header alone: no library to link */
+#include <xxhash.h>
+
 #include <errno.h>
 #include <fcntl.h>
 #include <inttypes.h>
@@ -15,68 +18,6 @@
 #include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
-
-/* ---- XXH64 ---- */
-
-static const uint64_t P1 = 0x9E3779B185EBCA87u, P2 = 0xC2B2AE3D27D4EB4Fu, P3 = 0x165667B19E3779F9u,
-                      P4 = 0x85EBCA77C2B2AE63u, P5 = 0x27D4EB2F165667C5u;
-
-static uint64_t rotate(uint64_t x, int bits) {
-  return x << bits | x >> (64 - bits);
-}
-
-static uint64_t word_at(const unsigned char *bytes) {
-  uint64_t word;
-  memcpy(&word, bytes, sizeof word);
-  return word;
-}
-
-static uint64_t lane_add(uint64_t lane, uint64_t word) {
-  return rotate(lane + word * P2, 31) * P1;
-}
-
-static uint64_t lane_merge(uint64_t sum, uint64_t lane) {
-  return (sum ^ lane_add(0, lane)) * P1 + P4;
-}
-
-void gh_sum_begin(gh_sum *s) {
-  *s = (gh_sum){.lane = {P1 + P2, P2, 0, 0 - P1}};
-}
-
-void gh_sum_add(gh_sum *s, const void *data, size_t size) {
-  const unsigned char *bytes = data;
-  uint64_t a = s->lane[0], b = s->lane[1], c = s->lane[2], d = s->lane[3];
-  s->size += size;
-  for (; size >= GH_SUM_STRIPE; bytes += GH_SUM_STRIPE, size -= GH_SUM_STRIPE) {
-    a = lane_add(a, word_at(bytes)), b = lane_add(b, word_at(bytes + 8));
-    c = lane_add(c, word_at(bytes + 16)), d = lane_add(d, word_at(bytes + 24));
-  }
-  s->lane[0] = a, s->lane[1] = b, s->lane[2] = c, s->lane[3] = d;
-  if (size > 0) memcpy(s->rest, bytes, size);
-}
-
-uint64_t gh_sum_end(const gh_sum *s) {
-  const uint64_t *v = s->lane;
-  const unsigned char *at = s->rest;
-  size_t left = s->size % GH_SUM_STRIPE;
-  uint64_t sum = P5;
-  if (s->size >= GH_SUM_STRIPE) {
-    sum = rotate(v[0], 1) + rotate(v[1], 7) + rotate(v[2], 12) + rotate(v[3], 18);
-    for (int k = 0; k < 4; k++) sum = lane_merge(sum, v[k]);
-  }
-  sum += s->size;
-  for (; left >= 8; at += 8, left -= 8) sum = rotate(sum ^ lane_add(0, word_at(at)), 27) * P1 + P4;
-  if (left >= 4) {
-    uint32_t half;
-    memcpy(&half, at, sizeof half);
-    sum = rotate(sum ^ half * P1, 23) * P2 + P3;
-    at += 4, left -= 4;
-  }
-  for (; left > 0; at++, left--) sum = rotate(sum ^ *at * P5, 11) * P1;
-  sum = (sum ^ sum >> 33) * P2;
-  sum = (sum ^ sum >> 29) * P3;
-  return sum ^ sum >> 32;
-}
 
 /* ---- seals ---- */
 
@@ -116,22 +57,22 @@ static bool seal_parse(const char text[GH_SEAL], seal *s) {
 }
 
 /* Starts the sum with the seal itself. */
-static void seal_begin(const seal *s, gh_sum *sum) {
+static void seal_begin(const seal *s, XXH64_state_t *sum) {
   char text[GH_SEAL];
   seal blank = *s;
   blank.sum = 0;
   seal_print(&blank, text);
-  gh_sum_begin(sum);
-  gh_sum_add(sum, text, GH_SEAL);
+  XXH64_reset(sum, 0);
+  XXH64_update(sum, text, GH_SEAL);
 }
 
 void gh_seal_make(const char *kind, void *bytes, size_t length) {
   seal s = {.length = length};
-  gh_sum sum;
+  XXH64_state_t sum;
   snprintf(s.kind, sizeof s.kind, "%s", kind);
   seal_begin(&s, &sum);
-  gh_sum_add(&sum, (char *)bytes + GH_SEAL, length - GH_SEAL);
-  s.sum = gh_sum_end(&sum);
+  XXH64_update(&sum, (char *)bytes + GH_SEAL, length - GH_SEAL);
+  s.sum = XXH64_digest(&sum);
   char text[GH_SEAL];
   seal_print(&s, text);
   memcpy(bytes, text, GH_SEAL);
@@ -153,14 +94,14 @@ static ssize_t fill(int fd, char *bytes, size_t size) {
 }
 
 /* Sums up what is behind the seal; *length: of the whole file. */
-static gh_status sum_file(gh_context *ctx, const char *path, int fd, gh_sum *sum, uint64_t *length) {
+static gh_status sum_file(gh_context *ctx, const char *path, int fd, XXH64_state_t *sum, uint64_t *length) {
   char *chunk;
   ssize_t n;
   GH_TRY(gh_alloc(ctx, CHUNK, 1, &chunk));
   *length = GH_SEAL;
   do {
     n = fill(fd, chunk, CHUNK);
-    if (n > 0) gh_sum_add(sum, chunk, (size_t)n);
+    if (n > 0) XXH64_update(sum, chunk, (size_t)n);
     if (n > 0) *length += (uint64_t)n;
   } while (n == CHUNK);
   gh_status s = n < 0 ? gh_fail(ctx, GH_SYSTEM, "%s: cannot be read: %s", path, strerror(errno)) : GH_OK;
@@ -174,7 +115,10 @@ static gh_status unsealed(gh_context *ctx, const char *path, const char *text, s
     return gh_fail(ctx, GH_INPUT,
                    "%s: is damaged, or no binary file of granhom: it does not start with \"%s%s\"", path,
                    FIRST, FORMAT);
-  if (sealed) return *sealed = false, GH_OK;
+  if (sealed) {
+    *sealed = false;
+    return GH_OK;
+  }
   return gh_fail(ctx, GH_INPUT,
                  "%s: has no checksum: it was written by an older version of granhom, or by another program, "
                  "and is not used, since damage would not be seen",
@@ -199,7 +143,7 @@ static gh_status compare(gh_context *ctx, const char *path, const char *kind, co
 static gh_status check(gh_context *ctx, const char *path, const char *kind, int fd, bool *sealed) {
   char text[GH_SEAL];
   seal s;
-  gh_sum sum;
+  XXH64_state_t sum;
   uint64_t length;
   ssize_t n = fill(fd, text, sizeof text);
   if (n < 0) return gh_fail(ctx, GH_SYSTEM, "%s: cannot be read: %s", path, strerror(errno));
@@ -212,7 +156,7 @@ static gh_status check(gh_context *ctx, const char *path, const char *kind, int 
   seal_begin(&s, &sum);
   GH_TRY(sum_file(ctx, path, fd, &sum, &length));
   if (sealed) *sealed = true;
-  return compare(ctx, path, kind, &s, length, gh_sum_end(&sum));
+  return compare(ctx, path, kind, &s, length, XXH64_digest(&sum));
 }
 
 /* What is wrong with the name, and what with the system. */

@@ -4,19 +4,6 @@
 
 #include "granhom/base.h"
 
-#include <stdint.h>
-
-/* XXH64 with the seed 0. What is added must have a multiple of GH_SUM_STRIPE bytes each time, but for the
- * last time. */
-enum { GH_SUM_STRIPE = 32 };
-typedef struct gh_sum {
-  uint64_t lane[4], size;
-  unsigned char rest[GH_SUM_STRIPE];
-} gh_sum;
-void gh_sum_begin(gh_sum *sum);
-void gh_sum_add(gh_sum *sum, const void *data, size_t size);
-uint64_t gh_sum_end(const gh_sum *sum);
-
 /* Bytes at the front of a file that the seal takes. */
 enum { GH_SEAL = 512 };
 /* Seals a file in memory, of length bytes (at least GH_SEAL). kind: what it holds and the version of that,
