@@ -5,7 +5,6 @@
 
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 typedef struct folder {
   gh_context *ctx;
@@ -30,10 +29,12 @@ static gh_status history_check(const folder *f, const scene_table *h) {
                  h->nrows - 1, GH_S(h->nrows - 1), increments->valuedouble);
 }
 
-static gh_status values_check(gh_context *ctx, const scene_table *h, int column) {
+/* `open`: nan, and only this word, is a displacement that the row's step does not prescribe. */
+static gh_status values_check(gh_context *ctx, const scene_table *h, int column, bool open) {
   char quoted[GH_QUOTE], name[GH_QUOTE];
   for (int k = 0; k < h->nrows && column >= 0; k++)
-    if (!isfinite(scene_table_number(h, k, column)))
+    if (!isfinite(scene_table_number(h, k, column)) &&
+        !(open && strcmp(scene_table_text(h, k, column), "nan") == 0))
       return gh_fail(ctx, GH_INPUT, "%s:%d: %s: '%s' is not a finite number", h->path, k + 2,
                      gh_quote(h->name[column], name), gh_quote(scene_table_text(h, k, column), quoted));
   return GH_OK;
@@ -48,9 +49,9 @@ static gh_status table_check(folder *f) {
   f->rows = h.nrows;
   if (status == GH_OK) status = history_check(f, &h);
   if (status == GH_OK) status = scene_curve_choose(f->ctx, &h, &l, &c);
-  if (status == GH_OK) status = values_check(f->ctx, &h, c.x);
-  if (status == GH_OK) status = values_check(f->ctx, &h, c.force);
-  if (status == GH_OK) status = values_check(f->ctx, &h, c.dilatancy);
+  if (status == GH_OK) status = values_check(f->ctx, &h, c.x, true);
+  if (status == GH_OK) status = values_check(f->ctx, &h, c.force, false);
+  if (status == GH_OK) status = values_check(f->ctx, &h, c.dilatancy, false);
   scene_table_free(&h);
   return status;
 }
@@ -84,19 +85,19 @@ static gh_status residuals_check(const folder *f, const char *path) {
 /* Files of HDF5 are checked as they are opened. */
 static gh_status fields_check(const folder *f, const char *path, const char *name, bool needed) {
   gh_h5 *file = NULL;
-  bool there = access(path, F_OK) == 0;
+  bool there;
+  GH_TRY(gh_file_there(f->ctx, path, &there));
   if (!gh_h5_available() || (!there && !needed)) return GH_OK;
   GH_TRY(scene_open_h5(f->ctx, f->name, name, &file));
-  size_t rows, cols;
   char last[64];
   snprintf(last, sizeof last, "/step%04d/time", f->rows - 1);
-  gh_status status =
-      needed && gh_h5_size(file, last, &rows, &cols) != GH_OK
-          ? gh_fail(f->ctx, GH_INPUT, "%s: is cut off: it has no increment %d, history.csv has one", path,
-                    f->rows - 1)
-          : GH_OK;
+  gh_status status = gh_h5_there(file, last, &there);
+  if (status == GH_OK && needed && !there)
+    status = gh_fail(f->ctx, GH_INPUT, "%s: is cut off: it has no increment %d, history.csv has one", path,
+                     f->rows - 1);
   snprintf(last, sizeof last, "/step%04d/time", f->rows + 1); /* one more may be under way */
-  if (status == GH_OK && needed && gh_h5_size(file, last, &rows, &cols) == GH_OK)
+  if (status == GH_OK && needed) status = gh_h5_there(file, last, &there);
+  if (status == GH_OK && needed && there)
     status = gh_fail(f->ctx, GH_INPUT,
                      "%s/history.csv: is cut off: it ends with increment %d, results.h5 has more", f->name,
                      f->rows - 1);
@@ -123,8 +124,10 @@ gh_status gh_results_check(gh_context *ctx, const char *name) {
   folder f = {.ctx = ctx, .name = name};
   char *path = gh_path_join(name, "run.json");
   if (!path) return gh_fail(ctx, GH_MEMORY, "no memory for a path");
-  bool there = access(path, R_OK) == 0;
+  bool there;
+  gh_status found = gh_file_there(ctx, path, &there);
   free(path);
+  GH_TRY(found);
   if (!there) return gh_fail(ctx, GH_INPUT, "%s: holds no results of `granhom run`", name);
   GH_TRY(scene_run_read(ctx, name, &f.run));
   gh_status status = files_check(&f);
