@@ -335,8 +335,8 @@ static gh_status get_position(archive *a, const gh_scene *s, content *c) {
   size_t n, ndof = 2 * (size_t)s->mesh->nnodes;
   char name[64];
   GH_TRY(get_ints(a, "/run/position", &n, &c->where));
-  if (n != POSITION || c->where[1] < 0 || c->where[1] > s->nsteps || c->where[2] < 1 ||
-      c->where[2] > gh_scene_increments(s, c->where[1]))
+  if (n != POSITION || c->where[0] < 0 || c->where[3] < 0 || c->where[1] < 0 || c->where[1] > s->nsteps ||
+      c->where[2] < 1 || c->where[2] > gh_scene_increments(s, c->where[1]))
     return gh_fail(a->ctx, GH_INPUT, "/run/position is none of this scene");
   GH_TRY(get_bytes(a, "/run/summary", &c->summary_size, &c->summary));
   if (c->summary_size != sizeof(gh_run_summary))
@@ -372,11 +372,15 @@ static gh_status get_farm(archive *a, const char *folder, gh_farm_image *f) {
   GH_TRY_OR(get_doubles(a, in(name, folder, "data"), &ndata, &f->data), done);
   GH_TRY_OR(get_doubles(a, in(name, folder, "measure"), &nmeasure, &f->measure), done);
   GH_TRY_OR(gh_alloc(a->ctx, starts + 1, sizeof *f->start, &f->start), done);
-  for (size_t k = 0; k < starts; k++) f->start[k] = start[k] >= 0 ? (size_t)start[k] : 0;
+  bool fits = starts >= 1;
+  for (size_t k = 0; k < starts; k++) {
+    fits = fits && start[k] >= (k ? start[k - 1] : 0) && start[k] <= (double)ndata;
+    f->start[k] = fits ? (size_t)start[k] : 0;
+  }
   f->npoints = (int)n;
   f->nstates = (int)starts - 1;
   f->nwords = n > 0 ? (int)(nmeasure / n) : 0;
-  if (n < 1 || starts < 1 || f->start[starts - 1] != ndata || nmeasure != n * (size_t)f->nwords)
+  if (n < 1 || !fits || f->start[starts - 1] != ndata || nmeasure != n * (size_t)f->nwords)
     status = gh_fail(a->ctx, GH_INPUT, "the lists in %s do not fit each other", folder);
 done:
   free(start);

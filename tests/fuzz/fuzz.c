@@ -185,8 +185,7 @@ static void dataset_text(gh_h5 *file, const char *name, bytes *b) {
   gh_h5_put_text(file, name, text);
 }
 
-/* What the seal at the begin of a file of ours says of its kind. */
-static void kind_read(const char *path, char kind[40]) {
+void fuzz_kind(const char *path, char kind[40]) {
   FILE *file = fopen(path, "r");
   bool good = file && fscanf(file, "%*[^\n]\nkind %39[^\n]", kind) == 1;
   if (file) fclose(file);
@@ -200,7 +199,7 @@ void fuzz_change_h5(gh_context *ctx, const char *path, const char *const *names,
   unsigned count = 0;
   bool there;
   char kind[40];
-  kind_read(path, kind);
+  fuzz_kind(path, kind);
   while (names[count]) count++;
   fuzz_require(gh_h5_open(ctx, path, kind, true, &file) == GH_OK, gh_message(ctx));
   for (int turn = 0; b.size && turn < 8; turn++) {

@@ -30,6 +30,9 @@ char *fuzz_text(const uint8_t *data, size_t size);
  * worked in. */
 const char *fuzz_folder(const char *folder);
 
+/* What the seal at the begin of a file of ours says of its kind. */
+void fuzz_kind(const char *path, char kind[40]);
+
 /* Changes to an HDF5 file of ours, as the bytes say: datasets removed, replaced by others of another type,
  * shape or content. `names`: those it may have; ends with NULL. */
 void fuzz_change_h5(gh_context *ctx, const char *path, const char *const *names, const uint8_t *data,

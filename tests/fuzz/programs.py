@@ -206,13 +206,25 @@ class Driver:
         elif code == 0 and self.kind != "plot":
             self.numbers(t)
 
+    # The tolerance that the residuals of a table are to meet; 0: it has none of its own.
+    @staticmethod
+    def limit(t, path):
+        words = t.command
+        if os.path.basename(path) != "o.csv" or "--accept" in words:
+            return 0
+        return float(words[words.index("--tolerance") + 1]) if "--tolerance" in words else 1e-8
+
     def numbers(self, t):
         for path in sorted(glob.glob(t.folder + "/out/**/*.csv", recursive=True)):
             with open(path, newline="") as f:
                 rows = list(csv.DictReader(f))
             if self.kind == "study":
                 continue  # settings without a result have empty or nan errors
+            limit = self.limit(t, path)
             for row in rows:
+                residual = row.get("residual")
+                if limit and residual and not float(residual) <= limit:
+                    t.wrong = "exit status 0, and the residual %s is above %g" % (residual, limit)
                 for column, value in row.items():
                     if column and value and is_odd(str(value)) and not MAY_BE_NAN.search(column):
                         t.wrong = "exit status 0, and %s is %s in %s" % (column, value, os.path.basename(path))

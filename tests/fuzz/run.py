@@ -17,8 +17,9 @@ import sys
 import tempfile
 import time
 
-import prepare
-import programs
+sys.dont_write_bytecode = True  # nothing is left in the sources
+import prepare  # noqa: E402
+import programs  # noqa: E402
 
 ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
 MOST_FINDINGS = 10

@@ -61,6 +61,9 @@ FixRelax::FixRelax(LAMMPS *l, int narg, char **arg)
   }
 }
 
+/* Relaxation steps of one relaxation with inner yes where max_steps is not given. */
+static const long INNER_STEPS = 10000000;
+
 void FixRelax::parse(int narg, char **arg) {
   for (int k = 3; k < narg; k += 2) {
     if (k + 1 >= narg)
@@ -86,6 +89,8 @@ void FixRelax::parse(int narg, char **arg) {
       (word == "floor" ? floor_force : tolerance) = number;
     } else error->all(FLERR, "Illegal fix granhom/relax command: unknown keyword " + word);
   }
+  /* within one time step nothing else ends a relaxation that does not converge */
+  if (inner && max_steps == LONG_MAX) max_steps = INNER_STEPS;
 }
 
 int FixRelax::setmask() {
