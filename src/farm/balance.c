@@ -83,7 +83,7 @@ gh_status farm_balance(farm_books *b) {
   GH_TRY_OR(gh_alloc(b->ctx, (size_t)b->ranks, sizeof *ranks, &ranks), done);
   for (int j = 0; j < b->njobs; j++)
     jobs[j] = (balance_job){.cost = b->jobs[j].cost, .rank = b->jobs[j].rank, .job = j};
-  qsort(jobs, (size_t)b->njobs, sizeof *jobs, by_rank_and_cost);
+  if (b->njobs > 0) qsort(jobs, (size_t)b->njobs, sizeof *jobs, by_rank_and_cost);
   for (int j = b->njobs; j-- > 0;) {
     balance_rank *r = ranks + jobs[j].rank;
     r->load += jobs[j].cost;

@@ -41,7 +41,7 @@ static gh_status check_names(gh_table *t, const gh_csv *csv) {
   const char **names;
   GH_TRY(gh_alloc(t->ctx, (size_t)csv->ncols, sizeof *names, &names));
   memcpy(names, csv->names, (size_t)csv->ncols * sizeof *names);
-  qsort(names, (size_t)csv->ncols, sizeof *names, by_name);
+  if (csv->ncols > 0) qsort(names, (size_t)csv->ncols, sizeof *names, by_name);
   gh_status s = GH_OK;
   for (int c = 1; c < csv->ncols && s == GH_OK; c++)
     if (strcmp(names[c - 1], names[c]) == 0)

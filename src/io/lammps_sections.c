@@ -89,7 +89,7 @@ static gh_status read_label_lines(gh_data_parser *p, bool *there, char **line) {
   }
   if (n != p->data->ntypes)
     return GH_DATA_FAIL(p, "%d labels for %d types; each must have one", n, p->data->ntypes);
-  qsort(p->labels, (size_t)n, sizeof *p->labels, by_text);
+  if (n > 0) qsort(p->labels, (size_t)n, sizeof *p->labels, by_text);
   for (int k = 1; k < n; k++)
     if (strcmp(p->labels[k].text, p->labels[k - 1].text) == 0)
       return GH_DATA_FAIL(p, "two types have the label '%s'", gh_quote(p->labels[k].text, quoted));

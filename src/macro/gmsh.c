@@ -20,7 +20,7 @@ static int by_line(const void *p, const void *q) {
 static gh_status find_nodes(gh_msh *g) {
   const gh_msh_words *s = &g->s;
   if (g->nnodes == 0) return gh_fail(s->ctx, GH_INPUT, "%s: the mesh has no nodes", s->path);
-  qsort(g->nodes, (size_t)g->nnodes, sizeof *g->nodes, by_id);
+  if (g->nnodes > 0) qsort(g->nodes, (size_t)g->nnodes, sizeof *g->nodes, by_id);
   for (int a = 1; a < g->nnodes; a++)
     if (g->nodes[a].id == g->nodes[a - 1].id)
       return gh_fail(s->ctx, GH_INPUT, "%s:%d: node %ld occurs twice", s->path,
@@ -79,14 +79,14 @@ static gh_status collect_quads(gh_msh *g, gh_msh_cell ***quads, int *n) {
   int all = 0, kept = 0;
   for (int c = 0; c < g->ncells; c++)
     if (g->cells[c].nnodes == 4) (*quads)[all++] = g->cells + c;
-  qsort(*quads, (size_t)all, sizeof **quads, by_corners);
+  if (all > 0) qsort(*quads, (size_t)all, sizeof **quads, by_corners);
   for (int k = 0; k < all; k++) {
     long before[4] = {-1, -1, -1, -1}, here[4];
     if (kept) sorted_corners((*quads)[kept - 1], before);
     sorted_corners((*quads)[k], here);
     if (memcmp(before, here, sizeof here) != 0) (*quads)[kept++] = (*quads)[k];
   }
-  qsort(*quads, (size_t)kept, sizeof **quads, by_place);
+  if (kept > 0) qsort(*quads, (size_t)kept, sizeof **quads, by_place);
   *n = kept;
   return kept ? GH_OK : refuse_no_quads(g);
 }
@@ -119,7 +119,7 @@ static gh_status fill_mesh(gh_msh *g, gh_msh_cell **quads, int n, gh_mesh *mesh)
     order[a] = g->nodes[a];
     order[a].id = a; /* the place, to find back after sorting */
   }
-  qsort(order, (size_t)g->nnodes, sizeof *order, by_line);
+  if (g->nnodes > 0) qsort(order, (size_t)g->nnodes, sizeof *order, by_line);
   GH_TRY_OR(gh_alloc(ctx, 2 * (size_t)g->nnodes, sizeof *mesh->X, &mesh->X), done);
   for (int a = 0; a < g->nnodes; a++) {
     if (order[a].index < 0) continue;

@@ -24,7 +24,7 @@ static gh_status find_boundary(gh_context *ctx, const gh_mesh *mesh, side **side
       int a = mesh->quad[e][k], b = mesh->quad[e][(k + 1) % 4];
       (*sides)[all++] = (side){a < b ? a : b, a < b ? b : a, a, b};
     }
-  qsort(*sides, (size_t)all, sizeof **sides, by_side);
+  if (all > 0) qsort(*sides, (size_t)all, sizeof **sides, by_side);
   for (int k = 0, next; k < all; k = next) {
     for (next = k + 1; next < all && by_side(*sides + k, *sides + next) == 0;) next++;
     if (next == k + 1) (*sides)[kept++] = (*sides)[k];
@@ -67,7 +67,7 @@ static gh_status list_members(const gh_msh *g, member **members, int *n) {
     for (int k = 0; k < cell->group[1]; k++)
       (*members)[(*n)++] = (member){cell->nnodes - 1, c, g->groups[cell->group[0] + k]};
   }
-  qsort(*members, (size_t)*n, sizeof **members, by_group);
+  if (*n > 0) qsort(*members, (size_t)*n, sizeof **members, by_group);
   return GH_OK;
 }
 
@@ -91,7 +91,7 @@ static gh_status fill_set(gh_msh *g, const member *members, int n, const side *s
     set->edges[set->nedges][0] = found->a;
     set->edges[set->nedges++][1] = found->b;
   }
-  qsort(set->nodes, (size_t)set->nnodes, sizeof *set->nodes, by_value);
+  if (set->nnodes > 0) qsort(set->nodes, (size_t)set->nnodes, sizeof *set->nodes, by_value);
   int kept = 0;
   for (int k = 0; k < set->nnodes; k++)
     if (kept == 0 || set->nodes[k] != set->nodes[kept - 1]) set->nodes[kept++] = set->nodes[k];
@@ -134,7 +134,7 @@ static gh_status check_names(const gh_msh *g, const gh_mesh *mesh) {
   const char **names;
   GH_TRY(gh_alloc(g->s.ctx, (size_t)mesh->nsets, sizeof *names, &names));
   for (int k = 0; k < mesh->nsets; k++) names[k] = mesh->sets[k].name;
-  qsort(names, (size_t)mesh->nsets, sizeof *names, by_name);
+  if (mesh->nsets > 0) qsort(names, (size_t)mesh->nsets, sizeof *names, by_name);
   gh_status status = GH_OK;
   char quoted[GH_QUOTE];
   for (int k = 1; k < mesh->nsets && status == GH_OK; k++)

@@ -66,7 +66,7 @@ static gh_status read_names(gh_msh *g) {
     strcpy(name->text, s->word);
     g->nnames++;
   }
-  qsort(g->names, (size_t)g->nnames, sizeof *g->names, by_key);
+  if (g->nnames > 0) qsort(g->names, (size_t)g->nnames, sizeof *g->names, by_key);
   return GH_OK;
 }
 
@@ -97,7 +97,7 @@ static gh_status read_entities(gh_msh *g) {
       GH_TRY(gh_msh_count(s, "number of bounding entities", &m));
       GH_TRY(skip_numbers(g, m));
     }
-  qsort(g->entities, (size_t)g->nentities, sizeof *g->entities, by_key);
+  if (g->nentities > 0) qsort(g->entities, (size_t)g->nentities, sizeof *g->entities, by_key);
   return GH_OK;
 }
 

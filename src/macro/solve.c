@@ -201,7 +201,7 @@ static gh_status collect_shares(gh_system *s, const int *place) {
   if (s->nshares == 0) return GH_OK;
   GH_TRY(gh_alloc(s->ctx, (size_t)s->nshares, sizeof *s->shares, &s->shares));
   find_shares(s, place, s->shares);
-  qsort(s->shares, (size_t)s->nshares, sizeof *s->shares, by_place);
+  if (s->nshares > 0) qsort(s->shares, (size_t)s->nshares, sizeof *s->shares, by_place);
   return GH_OK;
 }
 

@@ -88,7 +88,7 @@ static gh_status find_gap(gh_context *ctx, const gh_packing *p, const gh_cluster
   size_t n = (size_t)f.n;
   GH_TRY_OR(gh_alloc(ctx, 3 * n * (n + 1) / 2 + 1, sizeof *pairs, &pairs), done);
   int count = list_pairs(p, &f, x, along, pairs), k = 0;
-  qsort(pairs, (size_t)count, sizeof *pairs, by_gap);
+  if (count > 0) qsort(pairs, (size_t)count, sizeof *pairs, by_gap);
   while (k < count && !joins_around(&f, &pairs[k])) k++;
   if (k < count && pairs[k].gap <= hull->gap) goto done; /* the other face has a wider one */
   hull->face = along;

@@ -19,7 +19,7 @@ gh_status scene_boundary_edges(gh_context *ctx, int nelements, const int (*quad)
   GH_TRY(gh_alloc(ctx, n, sizeof **edges, edges));
   scene_edge *e = *edges;
   for (size_t k = 0; k < n; k++) e[k] = (scene_edge){quad[k / 4][k % 4], quad[k / 4][(k + 1) % 4]};
-  qsort(e, n, sizeof *e, by_nodes);
+  if (n > 0) qsort(e, n, sizeof *e, by_nodes);
   for (size_t k = 0; k < n;) { /* a side that is listed once has an element on one side only */
     size_t same = k + 1;
     while (same < n && by_nodes(e + k, e + same) == 0) same++;

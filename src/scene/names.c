@@ -47,7 +47,7 @@ static int by_text(const void *p, const void *q) {
 
 /* GH_INPUT where two of the n names are the same; sorts them. */
 static gh_status list_check(const gh_scene *s, const char *what, char **name, int n) {
-  qsort(name, (size_t)n, sizeof *name, by_text);
+  if (n > 0) qsort(name, (size_t)n, sizeof *name, by_text);
   for (int k = 1; k < n; k++)
     if (strcmp(name[k - 1], name[k]) == 0) return twice(s, what, name[k]);
   return GH_OK;

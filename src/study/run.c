@@ -265,7 +265,7 @@ static gh_status list_runs(job *j) {
   for (int k = 0, n = 0; k < s->nsettings; k++)
     for (int m = 0; m < s->settings[k].nruns; m++, n++)
       list[n] = (entry){.id = s->settings[k].runs[m].id, .number = n, .at = {k, m}};
-  qsort(list, (size_t)j->total, sizeof *list, by_id);
+  if (j->total > 0) qsort(list, (size_t)j->total, sizeof *list, by_id);
   for (int k = 0; k < j->total; k++) j->all[k] = list[k].at;
   free(list);
   return GH_OK;
@@ -346,7 +346,7 @@ static gh_status plan(job *j) {
     study_team_share(j->team, flags, j->total);
     for (int k = 0; k < j->total; k++)
       if (flags[k]) j->todo[j->count++] = j->all[k];
-    qsort(j->todo, (size_t)j->count, sizeof *j->todo, by_place);
+    if (j->count > 0) qsort(j->todo, (size_t)j->count, sizeof *j->todo, by_place);
   }
   free(flags);
   return status;

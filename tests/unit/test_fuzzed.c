@@ -1,6 +1,8 @@
 /* What fuzzing has found, each as a test. SPDX-License-Identifier: GPL-2.0-or-later */
 #include "test_io.h"
 
+#include "granhom/macro.h"
+
 static gh_yaml *parsed(place *p, const char *text) {
   gh_yaml *doc;
   if (gh_yaml_parse(p->ctx, "a.yaml", text, &doc) != GH_OK) fail_msg("%s", gh_message(p->ctx));
@@ -74,9 +76,25 @@ static void odd_keys_are_set_or_refused(void **state) {
   }
 }
 
+/* A mesh whose list of names is empty is read; its groups have numbers for names. */
+static void a_mesh_without_names_is_read(void **state) {
+  place *p = *state;
+  gh_mesh *mesh;
+  const char *path = put_file(p, "a.msh",
+                              "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$PhysicalNames\n0\n$EndPhysicalNames\n"
+                              "$Nodes\n4\n1 0 0 0\n2 1 0 0\n3 1 1 0\n4 0 1 0\n$EndNodes\n"
+                              "$Elements\n2\n1 1 2 7 1 1 2\n2 3 2 8 1 1 2 3 4\n$EndElements\n");
+  if (gh_mesh_read_gmsh(p->ctx, path, &mesh) != GH_OK) fail_msg("%s", gh_message(p->ctx));
+  assert_int_equal(mesh->nelements, 1);
+  assert_int_equal(mesh->nsets, 1);
+  assert_string_equal(mesh->sets[0].name, "7");
+  gh_mesh_destroy(&mesh);
+}
+
 int main(void) {
 #define TEST(f) cmocka_unit_test_setup_teardown(f, begin, end)
   const struct CMUnitTest tests[] = {TEST(a_message_has_no_control_characters),
-                                     TEST(a_printed_document_is_the_same), TEST(odd_keys_are_set_or_refused)};
+                                     TEST(a_printed_document_is_the_same), TEST(odd_keys_are_set_or_refused),
+                                     TEST(a_mesh_without_names_is_read)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -149,7 +149,7 @@ int FixHistory::pack_forward_comm(int n, int *list, double *buf, int, int *) {
 void FixHistory::unpack_forward_comm(int n, int start, double *buf) {
   double H[4];
   if (sending_last) {
-    std::copy_n(buf, 2 * (std::size_t)n, &xl[2 * (std::size_t)start]);
+    std::copy_n(buf, 2 * (std::size_t)n, xl.data() + 2 * (std::size_t)start);
     return;
   }
   cell(H);
