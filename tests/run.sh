@@ -9,8 +9,8 @@ export OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1 # containers ru
 export OMPI_MCA_rmaps_base_oversubscribe=1 OMPI_MCA_mpi_yield_when_idle=1 # more ranks than cores
 export OMPI_MCA_btl_base_warn_component_unused=0 OMPI_MCA_btl_vader_single_copy_mechanism=none
 # What Open MPI, LAMMPS and CHOLMOD keep until the end is no leak of ours; tests/valgrind.sh looks for those. Sizes beyond all memory are
-# refused as they are without a sanitizer.
-export ASAN_OPTIONS=${ASAN_OPTIONS:-detect_leaks=0:allocator_may_return_null=1} UBSAN_OPTIONS=${UBSAN_OPTIONS:-print_stacktrace=1}
+# refused as they are without a sanitizer, and libraries may be loaded before it.
+export ASAN_OPTIONS=${ASAN_OPTIONS:-detect_leaks=0:allocator_may_return_null=1:verify_asan_link_order=0} UBSAN_OPTIONS=${UBSAN_OPTIONS:-print_stacktrace=1}
 export OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1
 limit=${TEST_TIMEOUT:-1200} # seconds for one program
 jobs=${TEST_JOBS:-2}

@@ -195,6 +195,15 @@ gh_status gh_h5_commit(gh_h5 **file) {
 
 /* ---- names ---- */
 
+/* Whether what has this name is a group; there is nothing in a dataset. */
+static gh_status group_check(const gh_h5 *f, const char *name, bool *group) {
+  hid_t object = H5Oopen(f->id, name, H5P_DEFAULT);
+  if (object < 0) return fail(f, GH_MEMORY, "open", name);
+  *group = H5Iget_type(object) == H5I_GROUP;
+  H5Oclose(object);
+  return GH_OK;
+}
+
 /* Asks group by group: HDF5 takes a missing group on the way for an error. */
 static gh_status name_find(const gh_h5 *f, const char *name, bool *there) {
   char part[256];
@@ -209,6 +218,10 @@ static gh_status name_find(const gh_h5 *f, const char *name, bool *there) {
     htri_t found = H5Lexists(f->id, part, H5P_DEFAULT);
     if (found < 0) return fail(f, GH_MEMORY, "look for", name);
     if (found == 0) return GH_OK;
+    if (!name[k]) break;
+    bool group = false;
+    GH_TRY(group_check(f, part, &group));
+    if (!group) return GH_OK;
   }
   *there = true;
   return GH_OK;

@@ -91,10 +91,35 @@ static void a_mesh_without_names_is_read(void **state) {
   gh_mesh_destroy(&mesh);
 }
 
+/* A dataset where a group is to be holds nothing: its members are missing, which is wrong input. */
+static void a_dataset_is_no_group(void **state) {
+  place *p = *state;
+  const char *path = in_folder(p, "a.h5");
+  const double one[2] = {1, 2};
+  double two[2];
+  gh_h5 *file;
+  size_t rows, cols;
+  bool there = true;
+  if (!gh_h5_available()) skip();
+  assert_int_equal(gh_h5_open(p->ctx, path, "state 2", false, &file), GH_OK);
+  assert_int_equal(gh_h5_put_doubles(file, "packing", 2, 1, one), GH_OK);
+  assert_int_equal(gh_h5_put_doubles(file, "other/x", 2, 1, one), GH_OK);
+  assert_int_equal(gh_h5_commit(&file), GH_OK);
+  assert_int_equal(gh_h5_read(p->ctx, path, "state 2", NULL, &file), GH_OK);
+  assert_int_equal(gh_h5_there(file, "packing/x", &there), GH_OK);
+  assert_false(there);
+  assert_int_equal(gh_h5_there(file, "other/x", &there), GH_OK);
+  assert_true(there);
+  assert_int_equal(gh_h5_size(file, "packing/x", &rows, &cols), GH_INPUT);
+  assert_int_equal(gh_h5_get_doubles(file, "packing/x", 2, 1, two), GH_INPUT);
+  assert_int_equal(gh_h5_get_doubles(file, "other", 2, 1, two), GH_INPUT);
+  gh_h5_close(&file);
+}
+
 int main(void) {
 #define TEST(f) cmocka_unit_test_setup_teardown(f, begin, end)
   const struct CMUnitTest tests[] = {TEST(a_message_has_no_control_characters),
                                      TEST(a_printed_document_is_the_same), TEST(odd_keys_are_set_or_refused),
-                                     TEST(a_mesh_without_names_is_read)};
+                                     TEST(a_mesh_without_names_is_read), TEST(a_dataset_is_no_group)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
