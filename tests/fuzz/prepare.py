@@ -140,7 +140,7 @@ class Work:
         for k, name in enumerate(("run.json", "history.csv", "convergence.csv", "timing.csv")):
             self.seed_more("report", k, read(self.data + "/run/" + name))
         for k in range(4, 7):
-            for j, change in enumerate(changes):
+            for j, change in enumerate(changes[::3]):
                 self.seed_more("report", k * 100 + j, change, head=bytes([k]))
 
     def seed_more(self, target, number, text, head=None):
