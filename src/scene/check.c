@@ -88,6 +88,8 @@ static gh_status fields_check(const folder *f, const char *path, const char *nam
   bool there;
   GH_TRY(gh_file_there(f->ctx, path, &there));
   if (!gh_h5_available() || (!there && !needed)) return GH_OK;
+  if (!there)
+    return gh_fail(f->ctx, GH_INPUT, "%s: holds no complete increment: %s is missing", f->name, name);
   GH_TRY(scene_open_h5(f->ctx, f->name, name, &file));
   char last[64];
   snprintf(last, sizeof last, "/step%04d/time", f->rows - 1);

@@ -46,7 +46,11 @@ for name in history.csv convergence.csv; do
   fresh; printf 'a,b\n1,2\n' >f/$name; refuses "$name of another program" "^granhom: f/$name: "
   fresh; head -c 2000 /dev/zero >f/$name; refuses "$name of zeros" "^granhom: f/$name:1: not a text file"
 done
-fresh; sed -i '4s/,[^,]*,/,nan,/3' f/history.csv; sed -i '4s/\([^,]*,[^,]*,[^,]*,[^,]*,[^,]*\),[^,]*,/\1,nan,/' f/history.csv; refuses "a displacement that is no number" "^granhom: f/history.csv:4: uy_top: 'nan' is not a finite number"
+# number COLUMN VALUE: in the fourth line of f/history.csv
+number() { awk -F, -v OFS=, -v name="$1" -v value="$2" 'NR == 1 { for (k = 1; k <= NF; k++) if ($k == name) c = k } NR == 4 { $c = value } 1' f/history.csv >h && mv h f/history.csv; }
+fresh; number top_y nan; refuses "a force that is no number" "^granhom: f/history.csv:4: top_y: 'nan' is not a finite number"
+fresh; number uy_top inf; refuses "a displacement that is not finite" "^granhom: f/history.csv:4: uy_top: 'inf' is not a finite number"
+fresh; number uy_top -nan; refuses "a displacement that is no number" "^granhom: f/history.csv:4: uy_top: '-nan' is not a finite number"
 fresh; sed -i '1s/uy_top/uy_tip/' f/history.csv; refuses "no column for the driven set" "^granhom: f/history.csv: has no column uy_top, and run.json has 'top' as the driven set"
 fresh; half run.json; refuses "run.json cut" "^granhom: f/run.json: is no JSON object"
 fresh; : >f/run.json; refuses "run.json empty" "^granhom: f/run.json: the file is empty"
