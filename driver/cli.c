@@ -153,7 +153,7 @@ gh_status cli_check_outputs(gh_context *ctx, const char *const *path, int count)
     for (int m = 0; m < k; m++)
       if (path[m] && !strcmp(path[m], path[k]))
         return gh_fail(ctx, GH_INPUT, "%s: two of the results would be written into this file", path[k]);
-    GH_TRY(gh_file_writable(ctx, path[k]));
+    GH_TRY(gh_output_check(ctx, path[k]));
   }
   return GH_OK;
 }

@@ -129,6 +129,7 @@ static int parse(int argc, char **argv, cross_job *j) {
   if (status) return status;
   if (!j->path_file) return cli_usage(&cli_crosscheck, "--path is missing");
   if (!j->folder) return cli_usage(&cli_crosscheck, "-o is missing: a folder for the results");
+  j->rve.allow_overlap = contact_allowed(&contact);
   status = contact_law(&cli_crosscheck, &contact, &j->rve.law);
   if (status == 0 && j->rve.law.hardening > 0)
     return cli_usage(&cli_crosscheck, "--hardening must be 0: the other programs have none");
@@ -175,9 +176,11 @@ static gh_status judge(const cross_job *j) {
 static gh_status crosscheck(cross_job *j) {
   GH_TRY(gh_packing_read(j->ctx, j->packing_file, &j->packing));
   GH_TRY(path_read(j->ctx, j->path_file, &j->path));
+  GH_TRY(path_check(j->ctx, j->path_file, &j->path, &j->rve, j->packing));
   GH_TRY(cli_mpi(j->ctx, true));
   GH_TRY(cut_path(j));
   GH_TRY(cross_check(j));
+  GH_TRY(gh_output_folder_check(j->ctx, j->folder));
   GH_TRY(gh_lock_create(j->ctx, j->folder, &j->lock));
   GH_TRY(run_levels(j));
   cross_print(j);

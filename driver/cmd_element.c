@@ -7,6 +7,7 @@
 #include "rve_state.h"
 
 #include "granhom/io.h"
+#include "granhom/limits.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -69,6 +70,7 @@ typedef struct job {
   gh_text *out;
   int row, jumps, jumped; /* rows written; jumps in all, and increments that had some */
   double written;
+  bool warned; /* of overlaps */
 } job;
 
 /* ---- options ---- */
@@ -135,6 +137,7 @@ static int parse(int argc, char **argv, arguments *a) {
   if (!a->control == !a->path)
     return cli_usage(&cli_element, "give one of --control and --path, which say what is prescribed");
   status = contact_law(&cli_element, &a->contact, &a->rve.law);
+  a->rve.allow_overlap = contact_allowed(&a->contact);
   a->options.stiffness = a->rve.law.normal_stiffness;
   return status;
 }
@@ -186,6 +189,20 @@ static void count_part(void *data) {
   rve_doubts_add(&j->doubts, gh_rve_measure(j->rve));
 }
 
+/* A target that was not known when the file was read; zero is met within the tolerance of the stresses. */
+static gh_status check_target(job *j, const element_step *s, int k, double from, double to) {
+  char where[512];
+  if (s->way[k] == ELEMENT_TO || s->line[k] == 0 || fabs(to) <= 1e-4 * fabs(from)) return GH_OK;
+  snprintf(where, sizeof where, "%s:%d", j->spec.path, s->line[k]);
+  gh_status status = element_check_target(j->ctx, where, &s->condition[k], to, &j->args->rve,
+                                          gh_packing_volume_fraction(j->packing), &j->warned);
+  if (status == GH_OK) return GH_OK;
+  char *message = strdup(gh_message(j->ctx)); /* the rows before are on disk: no wrong input any more */
+  status = gh_fail(j->ctx, GH_LIMIT, "%s", message ? message : where);
+  free(message);
+  return status;
+}
+
 /* Where the conditions are at the begin of a step, and where they go. */
 static gh_status set_out(job *j, const element_step *s, double from[4], double to[4]) {
   for (int k = 0; k < 4; k++) {
@@ -193,6 +210,7 @@ static gh_status set_out(job *j, const element_step *s, double from[4], double t
     to[k] = s->way[k] == ELEMENT_TO   ? s->value[k]
             : s->way[k] == ELEMENT_BY ? from[k] + s->value[k]
                                       : from[k] * s->value[k];
+    GH_TRY(check_target(j, s, k, from[k], to[k]));
   }
   return GH_OK;
 }
@@ -201,12 +219,17 @@ static bool beyond(const job *j, const element_step *s) {
   return gh_condition_value(&s->end, gh_control_F(j->control), gh_control_P(j->control)) > s->level;
 }
 
+static gh_status check_state(job *j) {
+  return gh_limits_check(j->ctx, &j->args->rve, gh_rve_measure(j->rve), "the packing", &j->warned);
+}
+
 static gh_status increment(job *j, const element_step *s, int number, int k, const double from[4],
                            const double to[4]) {
   double start = gh_seconds(), target[4], t = (k + 1.) / s->increments;
   gh_control_report report;
   for (int c = 0; c < 4; c++) target[c] = k + 1 < s->increments ? from[c] + t * (to[c] - from[c]) : to[c];
   gh_status status = gh_control_solve(j->control, s->condition, target, &report);
+  if (status == GH_OK) status = check_state(j);
   if (status != GH_OK)
     return gh_prefix(j->ctx, status, "%s, increment %d of %d: ", s->name, k + 1, s->increments);
   GH_TRY(write_row(j, number, &report, gh_seconds() - start));
@@ -233,6 +256,7 @@ static gh_status walk(job *j) {
   double start = gh_seconds();
   gh_control_report none = {.parts = 1, .iterations = 1};
   GH_TRY(gh_control_start(j->control, gh_rve_F(j->rve)));
+  GH_TRY(check_state(j));
   GH_TRY(write_row(j, 0, &none, gh_seconds() - start));
   gh_work_begin(j->ctx, &work, "element", "increments", j->spec.increments);
   gh_status status = GH_OK;
@@ -261,6 +285,8 @@ static gh_status element(job *j) {
                     : element_spec_read_path(j->ctx, a->path, &j->spec));
   GH_TRY(gh_packing_read(j->ctx, a->packing, &j->packing));
   GH_TRY(cli_check_outputs(j->ctx, (const char *const[]){a->output, a->save}, 2));
+  GH_TRY(element_spec_check(j->ctx, &j->spec, &a->rve, j->packing, a->load != NULL));
+  contact_note(j->ctx, &a->contact, &a->rve.law);
   GH_TRY(cli_mpi(j->ctx, true));
   GH_TRY(gh_rve_create(j->ctx, j->packing, &a->rve, &j->rve));
   if (a->load) GH_TRY(rve_state_load(j->ctx, a->load, j->rve, &a->rve, j->packing));

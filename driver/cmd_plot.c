@@ -65,6 +65,7 @@ static gh_status work(gh_context *ctx, const plot_arguments *a) {
   } pictures[] = {
       {"mesh.png", mesh}, {"rve.png", rve}, {"curves.png", curves}, {"convergence.png", convergence}};
   GH_TRY(gh_results_check(ctx, a->results));
+  GH_TRY(gh_output_folder_check(ctx, a->folder));
   GH_TRY(gh_folder_make(ctx, a->folder));
   for (size_t k = 0; k < sizeof pictures / sizeof *pictures; k++) {
     char *png = gh_path_join(a->folder, pictures[k].name);

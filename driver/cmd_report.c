@@ -56,6 +56,7 @@ static int run(int argc, char **argv) {
   char *own = a.html ? NULL : gh_path_join(a.folder, "report.html");
   const char *html = a.html ? a.html : own;
   gh_status status = html ? GH_OK : gh_fail(ctx, GH_MEMORY, "no memory for a path");
+  if (status == GH_OK && a.html) status = gh_output_check(ctx, a.html);
   if (status == GH_OK) status = cli_mpi(ctx, true);
   if (status == GH_OK) status = gh_report_write(ctx, a.folder, a.points, a.npoints, html);
   if (status == GH_OK) printf("%s\n", html);

@@ -7,7 +7,7 @@
 #include "rve_state.h"
 
 #include "granhom/io.h"
-#include "granhom/micro.h"
+#include "granhom/limits.h"
 #include "granhom/scene.h"
 
 #include <stdlib.h>
@@ -66,6 +66,7 @@ typedef struct job {
   gh_text *out, *tangent, *dump;
   double written; /* when the files were last written */
   int rows;       /* complete */
+  bool warned;    /* of overlaps */
 } job;
 
 /* ---- options ---- */
@@ -120,6 +121,7 @@ static int parse(int argc, char **argv, arguments *a) {
   int status = contact_arguments(&cli_rve, argc, argv, options, &a->contact, parse_option, a, &a->packing);
   if (status) return status;
   if (!a->path) return cli_usage(&cli_rve, "--path is missing");
+  a->rve.allow_overlap = contact_allowed(&a->contact);
   return contact_law(&cli_rve, &a->contact, &a->rve.law);
 }
 
@@ -257,6 +259,8 @@ static gh_status walk(job *j) {
     path_F(&j->path, row, F);
     long step = path_step(&j->path, row);
     status = reach(j, step, from, F, A);
+    if (status == GH_OK)
+      status = gh_limits_check(j->ctx, &j->args->rve, gh_rve_measure(j->rve), "the packing", &j->warned);
     if (status == GH_OK) status = write_row(j, step, A);
     if (status == GH_OK && j->whole) status = compare(j, step, from, F);
     if (status == GH_OK) status = gh_rve_commit(j->rve);
@@ -289,6 +293,8 @@ static gh_status rve(job *j) {
   GH_TRY(gh_packing_read(j->ctx, a->packing, &j->packing));
   GH_TRY(path_read(j->ctx, a->path, &j->path));
   GH_TRY(cli_check_outputs(j->ctx, (const char *const[]){a->output, a->tangent, a->dump, a->save}, 4));
+  GH_TRY(path_check(j->ctx, a->path, &j->path, &a->rve, j->packing));
+  contact_note(j->ctx, &a->contact, &a->rve.law);
   GH_TRY(cli_mpi(j->ctx, true));
   GH_TRY(gh_rve_create(j->ctx, j->packing, &a->rve, &j->rve));
   if (a->load) GH_TRY(rve_state_load(j->ctx, a->load, j->rve, &a->rve, j->packing));

@@ -11,17 +11,22 @@ static const char *const names[] = {"--normal-stiffness",
                                     "--friction-coefficient",
                                     "--hardening",
                                     "--rotations",
-                                    "--slip"};
+                                    "--slip",
+                                    "--allow-overlap"};
 
 /* What an option must be, for its message. */
-static const char *const wanted[] = {
-    "a positive number",          "a positive number",          "an angle in degrees, 0 or more and below 90",
-    "a number that is 0 or more", "a number that is 0 or more", "free or fixed",
-    "projected or objective"};
+static const char *const wanted[] = {"a positive number",
+                                     "a positive number",
+                                     "an angle in degrees, 0 or more and below 90",
+                                     "a number that is 0 or more",
+                                     "a number that is 0 or more",
+                                     "free or fixed",
+                                     "projected or objective",
+                                     "a positive number, or nothing"};
 
 static bool take_number(int code, const char *text, double *value) {
   if (!gh_parse_number(text, value)) return false;
-  if (code == CONTACT_NORMAL || code == CONTACT_TANGENTIAL) return *value > 0;
+  if (code == CONTACT_NORMAL || code == CONTACT_TANGENTIAL || code == CONTACT_ALLOWED) return *value > 0;
   return *value >= 0 && (code != CONTACT_ANGLE || *value < 90);
 }
 
@@ -36,6 +41,7 @@ static int take_option(const cli_command *command, int code, const char *text, c
   bool good;
   if (code == CONTACT_ROTATIONS) good = take_word(text, "free", "fixed", &o->fixed_rotations);
   else if (code == CONTACT_SLIP) good = take_word(text, "projected", "objective", &word);
+  else if (code == CONTACT_ALLOWED && !text) good = true, o->value[k] = INFINITY;
   else good = take_number(code, text, &o->value[k]);
   if (!good) return cli_usage(command, "%s must be %s, not \"%s\"", names[k], wanted[k], text);
   if (code == CONTACT_SLIP) o->slip = word ? GH_SLIP_OBJECTIVE : GH_SLIP_PROJECTED;
@@ -51,6 +57,9 @@ int contact_arguments(const cli_command *command, int argc, char **argv, const s
   for (int c, status; (c = getopt_long(argc, argv, ":o:", options, NULL)) != -1;) {
     if (c == '?') return cli_usage(command, "unknown option %s", argv[optind - 1]);
     if (c == ':') return cli_usage(command, "%s needs a value", argv[optind - 1]);
+    double number;
+    if (c == CONTACT_ALLOWED && !optarg && optind < argc && gh_parse_number(argv[optind], &number))
+      optarg = argv[optind++]; /* "--allow-overlap 0.3" as well as "--allow-overlap=0.3" */
     const bool known = c >= CONTACT_NORMAL && c < CONTACT_END;
     if ((status = known ? take_option(command, c, optarg, o) : take(c, data))) return status;
   }
@@ -66,6 +75,16 @@ static bool given(const contact_options *o, int code) {
 
 static double value(const contact_options *o, int code) {
   return o->value[code - CONTACT_NORMAL];
+}
+
+double contact_allowed(const contact_options *o) {
+  return given(o, CONTACT_ALLOWED) ? value(o, CONTACT_ALLOWED) : 0;
+}
+
+void contact_note(gh_context *ctx, const contact_options *o, const gh_contact_law *law) {
+  if (!given(o, CONTACT_NORMAL))
+    gh_log(ctx, GH_LEVEL_INFO, "normal stiffness %g (default; --normal-stiffness): stresses are in its unit",
+           law->normal_stiffness);
 }
 
 int contact_law(const cli_command *command, const contact_options *o, gh_contact_law *law) {

@@ -21,6 +21,7 @@ enum {
   CONTACT_HARDENING,
   CONTACT_ROTATIONS,
   CONTACT_SLIP,
+  CONTACT_ALLOWED,
   CONTACT_END
 };
 
@@ -28,8 +29,9 @@ enum {
 #define CONTACT_OPTIONS                                                                                      \
   {"normal-stiffness", 1, 0, CONTACT_NORMAL}, {"tangential-stiffness", 1, 0, CONTACT_TANGENTIAL},            \
       {"friction-angle", 1, 0, CONTACT_ANGLE}, {"friction-coefficient", 1, 0, CONTACT_COEFFICIENT},          \
-      {"hardening", 1, 0, CONTACT_HARDENING}, {"rotations", 1, 0, CONTACT_ROTATIONS}, {                      \
-    "slip", 1, 0, CONTACT_SLIP                                                                               \
+      {"hardening", 1, 0, CONTACT_HARDENING}, {"rotations", 1, 0, CONTACT_ROTATIONS},                        \
+      {"slip", 1, 0, CONTACT_SLIP}, {                                                                        \
+    "allow-overlap", 2, 0, CONTACT_ALLOWED                                                                   \
   }
 
 #define CONTACT_HELP                                                                                         \
@@ -42,7 +44,10 @@ enum {
   "                         (default 0); with friction\n"                                                    \
   "  --rotations WORD       free (default) or fixed: whether grains rotate; with friction\n"                 \
   "  --slip WORD            projected (default): slip as printed in (7.5); objective: by the angle, which\n" \
-  "                         a rigid rotation leaves at zero; with friction\n"
+  "                         a rigid rotation leaves at zero; with friction\n"                                \
+  "  --allow-overlap [X]    goes on where the mean overlap is above 0.2 of the mean radius, or the grains\n" \
+  "                         fill more than the cell: up to X of the radius, without X any; such states\n"    \
+  "                         usually come from units that do not fit each other\n"
 
 /* What was given. Zero-initialised: nothing. */
 typedef struct contact_options {
@@ -59,5 +64,9 @@ int contact_arguments(const cli_command *command, int argc, char **argv, const s
                       const char **packing);
 /* The law that the options say. 0, or 2 after a message: options that exclude or need each other. */
 int contact_law(const cli_command *command, const contact_options *o, gh_contact_law *law);
+/* The mean overlap that --allow-overlap allows, as gh_rve_options has it. */
+double contact_allowed(const contact_options *o);
+/* The default of the normal stiffness is named: its unit is that of the stresses. */
+void contact_note(gh_context *ctx, const contact_options *o, const gh_contact_law *law);
 
 #endif

@@ -85,6 +85,7 @@ static gh_status read_conditions(gh_context *ctx, node step, element_step *s) {
   for (int k = 0; k < count; k++) {
     node value;
     const char *key = gh_yaml_key(map, k, &value);
+    s->line[k] = gh_yaml_line(value);
     GH_TRY(parse_at(ctx, value, key, &s->condition[k]));
     GH_TRY(read_way(value, key, s, k));
   }
@@ -154,7 +155,7 @@ static gh_status read_steps(gh_context *ctx, node list, int depth, element_spec 
 gh_status element_spec_read(gh_context *ctx, const char *path, element_spec *spec) {
   static const char *const known[] = {"title", "steps", NULL};
   gh_yaml *doc;
-  *spec = (element_spec){0};
+  *spec = (element_spec){.path = path};
   GH_TRY(gh_yaml_read(ctx, path, &doc));
   node root = gh_yaml_root(doc);
   gh_status status = gh_yaml_is_map(root)
@@ -192,13 +193,14 @@ gh_status element_spec_read_path(gh_context *ctx, const char *path, element_spec
   gh_csv *csv;
   element_step step = {.increments = 1};
   int column[4];
-  *spec = (element_spec){0};
+  *spec = (element_spec){.path = path};
   GH_TRY(gh_csv_read(ctx, path, &csv));
   gh_status status = read_columns(ctx, path, csv, &step, column);
   for (int row = 0; row < csv->nrows && status == GH_OK; row++) {
     snprintf(step.name, sizeof step.name, "%s:%d", path, csv->line[row]);
     for (int k = 0; k < 4; k++)
-      if (column[k] >= 0) step.value[k] = csv->value[row * csv->ncols + column[k]];
+      if (column[k] >= 0)
+        step.value[k] = csv->value[row * csv->ncols + column[k]], step.line[k] = csv->line[row];
     status = add(ctx, spec, &step);
   }
   gh_csv_destroy(&csv);

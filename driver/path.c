@@ -28,10 +28,24 @@ gh_status path_read(gh_context *ctx, const char *file, path_rows *path) {
     double F[4], step = step_number(path, row);
     path_F(path, row, F);
     if (!(gh_det2(F) > 0))
-      return gh_fail(ctx, GH_INPUT, "%s:%d: F = [%g %g; %g %g] has the determinant %g; it must be positive",
-                     file, p->line[row], F[0], F[1], F[2], F[3], gh_det2(F));
+      return gh_fail(ctx, GH_INPUT,
+                     "%s:%d: F = [%g %g; %g %g] has the determinant %g; it must be positive. %s", file,
+                     p->line[row], F[0], F[1], F[2], F[3], gh_det2(F), gh_limits_undeformed);
     if (step != floor(step) || fabs(step) > 1e15)
       return gh_fail(ctx, GH_INPUT, "%s:%d: step %g is not an integer", file, p->line[row], step);
+  }
+  return GH_OK;
+}
+
+gh_status path_check(gh_context *ctx, const char *file, const path_rows *path, const gh_rve_options *options,
+                     const gh_packing *packing) {
+  const double fraction = gh_packing_volume_fraction(packing);
+  for (int row = 0; row < path->csv->nrows; row++) {
+    char where[512];
+    double F[4];
+    path_F(path, row, F);
+    snprintf(where, sizeof where, "%s:%d", file, path->csv->line[row]);
+    GH_TRY(gh_limits_check_F(ctx, options, where, F, fraction));
   }
   return GH_OK;
 }

@@ -31,7 +31,8 @@ extern "C" {
   X(GH_MEMORY, 1, "out of memory")                                                                           \
   X(GH_ENGINE, 1, "the engine reported an error")                                                            \
   X(GH_STOPPED, 1, "stopped on request")                                                                     \
-  X(GH_INTERNAL, 1, "an internal check failed")
+  X(GH_INTERNAL, 1, "an internal check failed")                                                              \
+  X(GH_LIMIT, 1, "a state beyond known limits")
 
 typedef enum gh_status {
 #define GH_X(name, exit_status, text) name,

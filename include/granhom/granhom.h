@@ -8,6 +8,7 @@
 #include "granhom/engine.h"
 #include "granhom/farm.h"
 #include "granhom/io.h"
+#include "granhom/limits.h"
 #include "granhom/macro.h"
 #include "granhom/micro.h"
 #include "granhom/packing.h"

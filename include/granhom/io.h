@@ -93,6 +93,13 @@ gh_status gh_text_commit(gh_text *text, const char *path); /* may be called agai
 /* GH_SYSTEM when path could not be written, which is tried with a file beside it that is removed again: what
  * a long computation would find at its end. */
 gh_status gh_file_writable(gh_context *ctx, const char *path);
+/* Whether a file can be written: to be asked before what goes into it is computed. The file is not touched.
+ * NULL and "-": nothing. GH_SYSTEM: a folder, no folder to be in, no permission, a full device. */
+gh_status gh_output_check(gh_context *ctx, const char *path);
+/* The same for a folder that is there or will be made. */
+gh_status gh_output_folder_check(gh_context *ctx, const char *folder);
+/* GH_INPUT where folder/name is there and is no file, or no folder. */
+gh_status gh_output_within(gh_context *ctx, const char *folder, const char *name, bool is_folder);
 /* Makes a folder (and its parents). GH_INPUT when path is a file, GH_SYSTEM otherwise. */
 gh_status gh_folder_make(gh_context *ctx, const char *path);
 /* Whether there is something of this name; a link that leads nowhere is nothing. GH_SYSTEM when the system

@@ -29,6 +29,8 @@ typedef struct gh_rve_options {
                        radius, up to which the packing is taken as it is; 0, the default: none */
   gh_relaxation relaxation; /* the way to equilibrium; default GH_RELAX_POLISHED. The others take no Newton
                                step: relaxation alone has to reach the tolerance */
+  double allow_overlap;     /* of accepted states, see granhom/limits.h: 0, the default: gh_default_limits;
+                               INFINITY: any; else the largest mean overlap over the mean radius */
 } gh_rve_options;
 gh_rve_options gh_rve_defaults(void);
 /* The relaxation steps that these options allow: max_steps, or the default (friction relaxes in fewer). */
@@ -51,12 +53,14 @@ typedef struct gh_rve_measures {
   double coordination; /* mean number of contacts per grain that is no rattler; 0 when unjammed */
   double fabric[3];    /* mean n(x)n over contacts: xx xy yy */
   double volume_fraction;
-  double acoustic;       /* smallest eigenvalue of N.A.N over all N; NAN without tangent */
+  double overlap;  /* mean over the contacts between grains that are no rattlers, over the mean radius */
+  double acoustic; /* smallest eigenvalue of N.A.N over all N; NAN without tangent */
   double acoustic_angle; /* of N to the x axis, radians */
   long steps;            /* force evaluations */
   long pairs;            /* pair evaluations: gh_engine_cost */
   int contacts, rattlers;
-  int sliding; /* contacts on the Coulomb limit */
+  int engulfed; /* contacts with an overlap above the smaller radius: a centre lies in the other grain */
+  int sliding;  /* contacts on the Coulomb limit */
   int factorisations;
   int kept;        /* times that slip was kept on the way (method.md, Circles) */
   int accepted;    /* taken as it is, with a residual above the tolerance (gh_rve_options) */

@@ -143,6 +143,7 @@ struct gh_rve {
   bool turns;    /* rotations are unknown: friction, and not fixed */
   double volume; /* of the reference cell */
   double floor;  /* mean normal force at or below which the packing counts as unjammed */
+  double mean_radius; /* of the primary grains */
   double extent; /* of the cell and the positions: sets round-off of the forces */
   const double *radius;
   const unsigned char *held;

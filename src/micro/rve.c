@@ -77,6 +77,9 @@ static gh_status check_options(gh_context *ctx, const gh_rve_options *o) {
   if (!(o->accept >= 0) || isinf(o->accept))
     return gh_fail(ctx, GH_INPUT, "the force that is accepted out of balance must be 0 or more, not %g",
                    o->accept);
+  if (!(o->allow_overlap >= 0))
+    return gh_fail(ctx, GH_INPUT, "the mean overlap that is allowed must be 0 or more, not %g",
+                   o->allow_overlap);
   if (o->max_steps < 0)
     return gh_fail(ctx, GH_INPUT, "the number of relaxation steps must not be negative, but is %ld",
                    o->max_steps);
@@ -149,6 +152,7 @@ gh_status gh_rve_create(gh_context *ctx, const gh_packing *packing, const gh_rve
   if (!r->periodic) GH_TRY_OR(gh_cluster_create(ctx, packing, &r->cluster), failed);
   r->n = r->cluster ? r->cluster->n : packing->n;
   r->volume = gh_det2(packing->cell);
+  r->mean_radius = gh_packing_mean_radius(packing);
   GH_TRY_OR(make_engine(r), failed);
   GH_TRY_OR(make_state(r), failed);
   GH_TRY_OR(make_solver(r), failed);

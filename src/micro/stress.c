@@ -29,8 +29,8 @@ static gh_status friction_sums(gh_rve *r) {
 }
 
 gh_status gh_rve_sums(gh_rve *r) {
-  double inverse[4], P[4] = {0}, energy = 0, fabric[3] = {0};
-  int carrying = 0;
+  double inverse[4], P[4] = {0}, energy = 0, fabric[3] = {0}, overlap = 0;
+  int carrying = 0, engulfed = 0;
   gh_inv2(r->F, inverse);
   if (!r->m.unjammed)
     for (int c = 0; c < r->list.count; c++) {
@@ -42,7 +42,10 @@ gh_status gh_rve_sums(gh_rve *r) {
       fabric[0] += q->l[0] * q->l[0] / d2;
       fabric[1] += q->l[0] * q->l[1] / d2;
       fabric[2] += q->l[1] * q->l[1] / d2;
-      carrying += !(r->rattlers && (r->rattlers->flag[q->i] || r->rattlers->flag[q->j]));
+      if (r->rattlers && (r->rattlers->flag[q->i] || r->rattlers->flag[q->j])) continue;
+      carrying++;
+      overlap += q->overlap;
+      engulfed += q->overlap > fmin(r->radius[q->i], r->radius[q->j]);
     }
   GH_TRY(friction_sums(r));
   energy += r->m.energy_t * r->volume;
@@ -52,6 +55,8 @@ gh_status gh_rve_sums(gh_rve *r) {
     return gh_fail(r->ctx, GH_DIVERGED, "the stress of the packing is not finite");
   for (int k = 0; k < 3; k++)
     r->m.fabric[k] = !r->m.unjammed && r->list.count ? fabric[k] / r->list.count : 0;
+  r->m.overlap = carrying ? overlap / carrying / r->mean_radius : 0;
+  r->m.engulfed = engulfed;
   gh_cauchy2(r->m.P, r->F, r->m.cauchy);
   r->m.volume_fraction = grain_area(r) / (r->volume * gh_det2(r->F));
   int members = r->n - r->m.rattlers;

@@ -11,12 +11,12 @@ typedef struct scene_fix {
   int set, mask;
 } scene_fix;
 typedef struct scene_pressure {
-  int set;
+  int set, line;
   double from, to;
   bool follow;
 } scene_pressure;
 typedef struct scene_displace {
-  int set;
+  int set, line;
   double from[2], to[2]; /* to: NAN for a direction that is not driven */
 } scene_displace;
 typedef struct scene_force {
@@ -39,6 +39,7 @@ typedef struct scene_step {
   scene_force *forces;
   scene_footing *footings;
   bool gravity;
+  int gravity_line;
   double gravity_from[2], gravity_to[2];
 } scene_step;
 
@@ -95,6 +96,7 @@ struct gh_scene {
   double confinement;
   int confinement_follow; /* -1: as the pressure that takes over, else dead */
   double gravity[2];
+  int gravity_line;
   int nsupports, nsteps;
   scene_fix *supports;
   scene_step *steps;
@@ -128,6 +130,16 @@ gh_status scene_program_check(gh_scene *scene);
  * hold a stress there. */
 bool scene_boundary_is_free(const gh_scene *scene);
 bool scene_has_load(const gh_scene *scene); /* any at present: pressure, force or gravity */
+/* Whether a load along the normal of the edge from node a to node b would move one of them. */
+bool scene_normal_is_free(const gh_scene *scene, int a, int b);
+
+/* limits.c: what is prescribed against granhom/limits.h. GH_INPUT with file:line, or a warning. */
+gh_status scene_check_stresses(gh_scene *scene); /* pressures, confinement, weight */
+/* The confinement leaves no edge at the start that is neither supported nor pressed. Step 0 is present. */
+gh_status scene_check_confined(gh_scene *scene);
+/* Prescribed edges keep their distance at the end of the step that is present. Displacements that are not
+ * known before the run are NAN. */
+gh_status scene_check_stretch(gh_scene *scene, const scene_step *step);
 
 /* boundary.c: sides of elements that no other element shares, body on the left. The caller frees. */
 typedef struct scene_edge {

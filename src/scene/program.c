@@ -46,8 +46,7 @@ static gh_status add_node_sets(gh_scene *s) {
   return GH_OK;
 }
 
-/* Whether a load along the normal of the edge would move one of its nodes. */
-static bool normal_is_free(const gh_scene *s, int a, int b) {
+bool scene_normal_is_free(const gh_scene *s, int a, int b) {
   const double *X = s->mesh->X;
   double normal[2] = {X[2 * b + 1] - X[2 * a + 1], X[2 * a] - X[2 * b]}, length = hypot(normal[0], normal[1]);
   for (int i = 0; i < 2; i++)
@@ -63,7 +62,7 @@ bool scene_boundary_is_free(const gh_scene *s) {
   if (scene_boundary_edges(s->ctx, m->nelements, (const int(*)[4])m->quad, &edges, &count) != GH_OK)
     return false;
   bool is_free = false;
-  for (int k = 0; k < count && !is_free; k++) is_free = normal_is_free(s, edges[k].a, edges[k].b);
+  for (int k = 0; k < count && !is_free; k++) is_free = scene_normal_is_free(s, edges[k].a, edges[k].b);
   free(edges);
   return is_free;
 }
@@ -198,7 +197,8 @@ static gh_status confine(gh_scene *s) {
   for (int set = 0; set < s->nsets; set++) {
     const gh_mesh_set *m = s->mesh->sets + set;
     bool wanted = false;
-    for (int e = 0; e < m->nedges && !wanted; e++) wanted = normal_is_free(s, m->edges[e][0], m->edges[e][1]);
+    for (int e = 0; e < m->nedges && !wanted; e++)
+      wanted = scene_normal_is_free(s, m->edges[e][0], m->edges[e][1]);
     if (!wanted) continue;
     for (int other = 0; other < set; other++)
       if (s->present.pressure[other].now != 0 && scene_share_edges(s->mesh->sets + other, m))
@@ -391,19 +391,38 @@ static gh_status check_footings(gh_scene *s, const char *name) {
   return status;
 }
 
-gh_status scene_program_check(gh_scene *s) {
+/* Displacements at the end of the step, as far as they are prescribed. */
+static void note_prescribed(const gh_scene *s, double *u) {
+  for (int d = 0; d < 2 * s->mesh->nnodes; d++) u[d] = s->present.held[d] ? s->present.u[d].to : NAN;
+}
+
+static gh_status check_start(gh_scene *s) {
+  GH_TRY(begin_start(s));
+  GH_TRY(check_supports(s, s->steps->line, "start"));
+  GH_TRY(check_footings(s, "start"));
+  return scene_check_confined(s);
+}
+
+static gh_status check_steps(gh_scene *s, double *u) {
+  GH_TRY(check_start(s));
+  note_prescribed(s, u);
   for (int k = 0; k < s->nsteps; k++) {
     const scene_step *step = s->steps + k;
-    if (k == 0) {
-      GH_TRY(begin_start(s));
-      GH_TRY(check_supports(s, step->line, "start"));
-      GH_TRY(check_footings(s, "start"));
-    }
     GH_TRY(check_releases(s, step));
-    begin_step(s, step, NULL);
+    begin_step(s, step, u);
     GH_TRY(check_supports(s, step->line, step->name));
     GH_TRY(check_footings(s, step->name));
+    GH_TRY(scene_check_stretch(s, step));
+    note_prescribed(s, u);
   }
-  clear(s);
   return GH_OK;
+}
+
+gh_status scene_program_check(gh_scene *s) {
+  double *u;
+  GH_TRY(gh_alloc(s->ctx, 2 * (size_t)s->mesh->nnodes, sizeof *u, &u));
+  gh_status status = check_steps(s, u);
+  free(u);
+  clear(s);
+  return status;
 }

@@ -139,15 +139,32 @@ static gh_status read_tangential(gh_contact_law *law, node contact) {
   return GH_OK;
 }
 
+/* true, false or the mean overlap over the mean radius (granhom/limits.h). */
+static gh_status read_allowed(gh_rve_options *micro, node n) {
+  double value;
+  bool any;
+  const char *text;
+  micro->allow_overlap = 0;
+  if (!gh_yaml_has(n)) return GH_OK;
+  GH_TRY(gh_yaml_text(n, "allow_overlap", &text));
+  if (gh_parse_number(text, &value)) return scene_positive(n, "allow_overlap", &micro->allow_overlap);
+  if (gh_yaml_bool(n, "allow_overlap", &any) != GH_OK)
+    return gh_yaml_fail(n, "allow_overlap is '%s', it must be true, false or a mean overlap over the radius",
+                        text);
+  micro->allow_overlap = any ? INFINITY : 0;
+  return GH_OK;
+}
+
 static gh_status read_contact(gh_scene *s, node root) {
   gh_contact_law *law = &s->micro.law;
   node contact, n;
   GH_TRY(scene_need(root, "a scene", "contact", &contact));
   GH_TRY(scene_map(contact, "contact",
                    KEYS("normal_stiffness", "tangential_stiffness", "friction_angle", "friction_coefficient",
-                        "hardening", "rotations", "slip")));
+                        "hardening", "rotations", "slip", "allow_overlap")));
   GH_TRY(scene_need(contact, "contact", "normal_stiffness", &n));
   GH_TRY(scene_positive(n, "normal_stiffness", &law->normal_stiffness));
+  GH_TRY(read_allowed(&s->micro, gh_yaml_get(contact, "allow_overlap")));
   GH_TRY(read_friction(law, contact));
   return read_tangential(law, contact);
 }
@@ -377,6 +394,7 @@ static gh_status read_root(gh_scene *s, node root, const char *folder) {
   GH_TRY(read_start(s, root));
   GH_TRY(scene_read_fixes(s, gh_yaml_get(root, "supports"), "supports", "fix", &s->supports, &s->nsupports));
   if (gh_yaml_has(gravity = gh_yaml_get(root, "gravity"))) GH_TRY(scene_pair(gravity, "gravity", s->gravity));
+  s->gravity_line = gh_yaml_line(gravity);
   GH_TRY(scene_read_steps(s, root));
   GH_TRY(scene_read_results(s, root));
   return scene_read_packings(s, root, folder);
@@ -432,6 +450,7 @@ gh_status gh_scene_read_with(gh_context *ctx, const char *path, int n, const gh_
   GH_TRY_OR(override(s, doc, n, overrides), done);
   GH_TRY_OR(read_root(s, gh_yaml_root(doc), folder), done);
   GH_TRY_OR(scene_program_create(s), done);
+  GH_TRY_OR(scene_check_stresses(s), done);
   GH_TRY_OR(scene_program_check(s), done);
   GH_TRY_OR(scene_names_check(s), done);
 done:

@@ -56,6 +56,7 @@ static gh_status read_pressures(gh_scene *s, node list, scene_step *step) {
   for (int k = 0; k < step->npressures; k++) {
     scene_pressure *p = step->pressures + k;
     node entry = gh_yaml_item(list, k), n;
+    p->line = gh_yaml_line(entry);
     GH_TRY(scene_map(entry, "pressure", KEYS("edge", "set", "from", "to", "follow")));
     GH_TRY(find_set(s, entry, "pressure", true, &p->set));
     GH_TRY(scene_need(entry, "pressure", "to", &n));
@@ -83,6 +84,7 @@ static gh_status read_displaces(gh_scene *s, node list, scene_step *step) {
     scene_displace *d = step->displaces + k;
     node entry = gh_yaml_item(list, k), n, from;
     const char *names[2] = {"x", "y"};
+    d->line = gh_yaml_line(entry);
     GH_TRY(scene_map(entry, "displace", KEYS("edge", "set", "x", "y", "from")));
     GH_TRY(find_set(s, entry, "displace", false, &d->set));
     int directions = 0;
@@ -166,6 +168,7 @@ static gh_status read_step_gravity(node n, scene_step *step) {
   step->gravity_from[0] = step->gravity_from[1] = NAN;
   if (!gh_yaml_has(n)) return GH_OK;
   step->gravity = true;
+  step->gravity_line = gh_yaml_line(n);
   if (gh_yaml_is_list(n)) return scene_pair(n, "gravity", step->gravity_to);
   GH_TRY(scene_map(n, "gravity", KEYS("from", "to")));
   GH_TRY(scene_need(n, "gravity", "to", &part));

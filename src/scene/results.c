@@ -19,24 +19,13 @@
 /* ---- folder ---- */
 
 gh_status scene_results_check(gh_context *ctx, const char *folder) {
-  struct stat info;
-  if (!*folder) return gh_fail(ctx, GH_INPUT, "the name of the folder for results is empty");
-  char *path = strdup(folder);
-  if (!path) return gh_fail(ctx, GH_MEMORY, "no memory for a path");
-  gh_status status = GH_OK;
-  while (stat(path, &info) != 0 && (errno == ENOENT || errno == ENOTDIR)) { /* up to what exists */
-    char *parent = gh_path_folder(path);
-    free(path);
-    if (!parent) return gh_fail(ctx, GH_MEMORY, "no memory for a path");
-    path = parent;
-  }
-  if (stat(path, &info) != 0) status = gh_fail(ctx, GH_SYSTEM, "%s: %s", path, strerror(errno));
-  else if (!S_ISDIR(info.st_mode))
-    status = gh_fail(ctx, GH_INPUT, "%s: is a file, and the results need a folder", path);
-  else if (access(path, W_OK | X_OK) != 0)
-    status = gh_fail(ctx, GH_SYSTEM, "%s: cannot write there: %s", path, strerror(errno));
-  free(path);
-  return status;
+  static const char *const files[] = {"results.h5",      "results.xdmf", "points.xdmf", "rves.h5",
+                                      "traces.h5",       "history.csv",  "timing.csv",  "run.json",
+                                      "convergence.csv", "checkpoint.h5"};
+  GH_TRY(gh_output_folder_check(ctx, folder));
+  for (size_t k = 0; k < sizeof files / sizeof *files; k++)
+    GH_TRY(gh_output_within(ctx, folder, files[k], false));
+  return gh_output_within(ctx, folder, "dumps", true);
 }
 
 gh_status scene_result_path(const scene_results *r, const char *name, char **path) {

@@ -1,4 +1,5 @@
 /* The loop over load steps and increments. SPDX-License-Identifier: GPL-2.0-or-later */
+#include "granhom/limits.h"
 #include "scene/checkpoint.h"
 
 #include <stdlib.h>
@@ -22,6 +23,7 @@ typedef struct run {
   gh_work work;
   int counter;             /* of increments, 0 the start */
   int step, increment;     /* at work */
+  bool warned;             /* of overlaps: gh_limits_check_state */
   gh_macro_iteration last; /* of the increment at work */
 } run;
 
@@ -217,10 +219,35 @@ static void note_step(run *r) {
   r->sum.of = part ? of : 0;
 }
 
+/* Each integration point, in their order, so that ranks and sharing change no message; the warning is about
+ * their mean, since single points beside a corner carry more. */
+static gh_status check_limits(run *r) {
+  const gh_rve_options *o = &r->scene->micro;
+  const gh_limits limits = gh_limits_of(o);
+  double overlap = 0, pressure = 0;
+  for (int p = 0; p < r->sum.points; p++) {
+    const gh_rve_measures *m = gh_farm_measure(r->farm, p);
+    char where[48];
+    overlap += m->overlap / r->sum.points;
+    pressure += gh_limits_pressure(m) / r->sum.points;
+    if (gh_limits_hold(&limits, m)) continue;
+    snprintf(where, sizeof where, "integration point %d", p);
+    return gh_limits_check_state(r->ctx, o, m, where);
+  }
+  if (overlap > limits.overlap_warned) {
+    char where[192];
+    snprintf(where, sizeof where, "%s %d: all integration points together",
+             gh_scene_step_name(r->scene, r->step), r->increment);
+    gh_limits_warn(r->ctx, o, where, overlap, pressure, &r->warned);
+  }
+  return GH_OK;
+}
+
 static gh_status solve(run *r) {
   gh_macro_report report = {0}, whole = {0};
   gh_status status = find_equilibrium(r, &report, &whole);
   add_up(r, &report);
+  if (status == GH_OK) status = check_limits(r);
   if (status != GH_OK)
     return gh_prefix(r->ctx, status, "%s: step '%s', increment %d of %d: ", r->scene->path,
                      gh_scene_step_name(r->scene, r->step), r->increment,

@@ -1,4 +1,5 @@
 /* One packing along a path, by granhom or by another program. SPDX-License-Identifier: GPL-2.0-or-later */
+#include "granhom/limits.h"
 #include "study/parts.h"
 
 #include <math.h>
@@ -36,6 +37,7 @@ typedef struct walk {
   gh_rve *rve;
   size_t capacity;
   gh_rve_balance balance;
+  bool warned; /* of overlaps */
 } walk;
 
 static void count(void *data, const gh_rve_measures *m) {
@@ -51,7 +53,9 @@ static gh_status reach(walk *w, const double from[4], const double to[4]) {
   memcpy(way.to, to, sizeof way.to);
   gh_status status = gh_rve_reach(w->rve, &way, NULL);
   w->run->cuts += way.cuts;
-  return status == GH_OK ? gh_rve_commit(w->rve) : status;
+  GH_TRY(status);
+  GH_TRY(gh_limits_check(w->p->ctx, &w->p->rve, gh_rve_measure(w->rve), "the packing", &w->warned));
+  return gh_rve_commit(w->rve);
 }
 
 static gh_status add_row(walk *w, double t) {

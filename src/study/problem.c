@@ -248,6 +248,18 @@ static gh_status hash_rve(gh_context *ctx, const gh_study *s, node rve, const wa
   return GH_OK;
 }
 
+/* Whether the packing can follow. */
+static gh_status check_path(gh_context *ctx, node path, const study_problem *p) {
+  const double fraction = gh_packing_volume_fraction(p->packing);
+  char where[512];
+  for (int k = 0; k < p->path.rows; k++) {
+    snprintf(where, sizeof where, "%s:%d: path, t = %g", gh_yaml_path(path), gh_yaml_line(path),
+             p->path.t[k]);
+    GH_TRY(gh_limits_check_F(ctx, &p->rve, where, p->path.F + 4 * k, fraction));
+  }
+  return GH_OK;
+}
+
 static gh_status read_rve(gh_context *ctx, const gh_study *s, gh_yaml *doc, const wanted *w,
                           study_problem *p) {
   node rve = gh_yaml_get(gh_yaml_root(doc), "rve"), path, contact;
@@ -261,7 +273,8 @@ static gh_status read_rve(gh_context *ctx, const gh_study *s, gh_yaml *doc, cons
   p->rve.boundary = GH_PERIODIC;
   p->rve.engine = GH_ENGINE_LAMMPS;
   GH_TRY(scene_read_material(rve, ctx, &p->rve));
-  return gh_packing_read(ctx, w->packing, &p->packing);
+  GH_TRY(gh_packing_read(ctx, w->packing, &p->packing));
+  return check_path(ctx, path, p);
 }
 
 static gh_status open_rve(gh_context *ctx, const gh_study *s, const wanted *w, study_problem *p) {

@@ -288,9 +288,12 @@ static gh_status agree_on_runs(job *j, gh_status status) {
 /* The folder for records, which can be written. */
 static gh_status make_folder(const job *j) {
   gh_context *ctx = j->s->ctx;
+  static const char *const files[] = {"study.csv", "study.md", "curves.csv"};
+  for (size_t k = 0; k < sizeof files / sizeof *files; k++)
+    GH_TRY(gh_output_within(ctx, j->folder, files[k], false));
   char *runs = gh_path_join(j->folder, "runs");
   if (!runs) return gh_fail(ctx, GH_MEMORY, "no memory for a path");
-  gh_status status = scene_results_check(ctx, runs);
+  gh_status status = gh_output_folder_check(ctx, runs);
   if (status == GH_OK) status = gh_folder_make(ctx, runs);
   free(runs);
   return status;

@@ -17,7 +17,7 @@ printf 'diameter,count\n1,12\n1.4,8\n' >sieve.csv
 "$granhom" pack --sieve sieve.csv --seed 4 --finish overlap=0.01 -o q.data >/dev/null 2>&1
 printf 'F11,F12,F21,F22\n1,0,0,1\n0.998,0,0,1.001\n' >path.csv
 printf 'F11,F12,F21,F22\n1e-08,0,0,1e-08\n' >first.csv
-printf 'F11,F12,F21,F22\n1,0,0,1\n1e-08,0,0,1e-08\n' >second.csv
+printf 'F11,F12,F21,F22\n1,0,0,1\n0.78,0,0,0.78\n' >second.csv
 rve() { local p=$1; shift; "$granhom" rve "$p" --boundary periodic --engine native "$@"; }
 others() { find . -name '*.tmp' | wc -l; }
 

@@ -1,0 +1,158 @@
+/* Known limits of a granulate, in one place for all commands. SPDX-License-Identifier: GPL-2.0-or-later */
+#include "granhom/limits.h"
+
+#include <limits.h>
+#include <math.h>
+
+/* The measurement that chose them is in docs/user-guide.md, "Known limits". */
+static const gh_limits defaults = {.overlap_warned = 0.05,
+                                   .overlap = 0.2,
+                                   .fraction = 1,
+                                   .fraction_overlap = 0.15,
+                                   .covered = 1.2092, /* 2 pi / sqrt(27) */
+                                   .engulfed = 0,
+                                   .stress_warned = 0.05,
+                                   .stress = 0.5,
+                                   .planned_fraction = 1.5,
+                                   .expansion = 100,
+                                   .stretch = 0.1};
+/* Tensions below this share of the stiffness are round-off of a stress of zero. */
+static const double round_off = 1e-9;
+
+static const char *const units =
+    "the likely cause is units, as stresses in kPa and a normal stiffness in N/mm (in the plane both are "
+    "force per length)";
+
+static bool follows(const gh_rve_options *o) {
+  return o->boundary == GH_TAYLOR || o->boundary == GH_TAYLOR_CELL;
+}
+
+gh_limits gh_limits_of(const gh_rve_options *o) {
+  gh_limits l = defaults;
+  if (follows(o)) l.overlap = INFINITY, l.engulfed = INT_MAX;
+  if (o->allow_overlap <= 0) return l;
+  l.overlap_warned = l.overlap = o->allow_overlap;
+  if (o->allow_overlap <= defaults.overlap) return l;
+  l.fraction = l.covered = l.planned_fraction = l.stress_warned = l.stress = INFINITY;
+  l.engulfed = INT_MAX;
+  return l;
+}
+
+static double fraction_limit(const gh_limits *l, const gh_rve_measures *m) {
+  return m->overlap > l->fraction_overlap ? l->fraction : l->covered;
+}
+
+bool gh_limits_hold(const gh_limits *l, const gh_rve_measures *m) {
+  return m->overlap <= l->overlap && m->volume_fraction <= fraction_limit(l, m) && m->engulfed <= l->engulfed;
+}
+
+double gh_limits_pressure(const gh_rve_measures *m) {
+  return -(m->cauchy[0] + m->cauchy[3]) / 2;
+}
+
+static const char *cause(const gh_rve_options *o) {
+  static const char *const strain =
+      "all grains follow F there, so that the cause is a prescribed strain this large, or units";
+  return follows(o) ? strain : units;
+}
+
+static gh_status stop(gh_context *ctx, const gh_rve_options *o, const gh_rve_measures *m, const char *where,
+                      const char *what, double value, double limit) {
+  const double E = o->law.normal_stiffness;
+  return gh_fail(ctx, GH_LIMIT,
+                 "%s: %s is %.4g, above the limit %.4g, where the mean stress is %.3g, %.3g of the normal "
+                 "stiffness %g: %s. `contact: {allow_overlap: true}` or --allow-overlap computes such states",
+                 where, what, value, limit, gh_limits_pressure(m), gh_limits_pressure(m) / E, E, cause(o));
+}
+
+gh_status gh_limits_check_state(gh_context *ctx, const gh_rve_options *o, const gh_rve_measures *m,
+                                const char *where) {
+  const gh_limits l = gh_limits_of(o);
+  if (gh_limits_hold(&l, m)) return GH_OK;
+  if (!(m->overlap <= l.overlap))
+    return stop(ctx, o, m, where, "the mean overlap over the mean radius", m->overlap, l.overlap);
+  if (!(m->volume_fraction <= fraction_limit(&l, m)))
+    return stop(ctx, o, m, where, "the volume fraction", m->volume_fraction, fraction_limit(&l, m));
+  return stop(ctx, o, m, where, "the number of contacts with an overlap above the smaller radius",
+              m->engulfed, l.engulfed);
+}
+
+void gh_limits_warn(gh_context *ctx, const gh_rve_options *o, const char *where, double overlap,
+                    double pressure, bool *warned) {
+  const gh_limits l = gh_limits_of(o);
+  if (*warned || overlap <= l.overlap_warned) return;
+  *warned = true;
+  gh_log(
+      ctx, GH_LEVEL_WARNING,
+      "%s: the mean overlap is %.3g of the mean radius, above %.3g, where the mean stress is %.3g, %.3g of "
+      "the normal stiffness %g. The contact law is for stiff grains: %s",
+      where, overlap, l.overlap_warned, pressure, pressure / o->law.normal_stiffness, o->law.normal_stiffness,
+      cause(o));
+}
+
+gh_status gh_limits_check(gh_context *ctx, const gh_rve_options *o, const gh_rve_measures *m,
+                          const char *where, bool *warned) {
+  GH_TRY(gh_limits_check_state(ctx, o, m, where));
+  gh_limits_warn(ctx, o, where, m->overlap, gh_limits_pressure(m), warned);
+  return GH_OK;
+}
+
+gh_status gh_limits_check_stress(gh_context *ctx, const gh_rve_options *o, const char *where,
+                                 const char *what, double compression, gh_stress_kind kind, bool *warned) {
+  const gh_limits l = gh_limits_of(o);
+  const double E = o->law.normal_stiffness, ratio = compression / E;
+  if (kind == GH_STRESS_NORMAL && ratio < -round_off)
+    return gh_fail(
+        ctx, GH_INPUT,
+        "%s: %s is a tension of %g, and grains without cohesion only push; the likely cause is the "
+        "sign",
+        where, what, -compression);
+  if (!(fabs(ratio) <= l.stress) && kind != GH_STRESS_LOAD)
+    return gh_fail(ctx, GH_INPUT,
+                   "%s: %s is %.3g of the normal stiffness %g, above the limit %g: grains would be squeezed "
+                   "flat; %s",
+                   where, what, fabs(ratio), E, l.stress, units);
+  if (fabs(ratio) > l.stress_warned && !*warned) {
+    gh_log(ctx, GH_LEVEL_WARNING,
+           "%s: %s is %.3g of the normal stiffness %g, above %g: overlaps will be about that share of the "
+           "diameter; %s",
+           where, what, fabs(ratio), E, l.stress_warned, units);
+    *warned = true;
+  }
+  return GH_OK;
+}
+
+const char gh_limits_undeformed[] =
+    "F = 1 is undeformed, and a compression by 3 percent is 0.97: are these displacement gradients, or "
+    "strains in percent?";
+
+gh_status gh_limits_check_volume(gh_context *ctx, const gh_rve_options *o, const char *where,
+                                 const char *what, double det, double fraction) {
+  const gh_limits l = gh_limits_of(o);
+  if (!(det > 0))
+    return gh_fail(ctx, GH_INPUT, "%s: %s is %g; it must be positive. %s", where, what, det,
+                   gh_limits_undeformed);
+  if (!(fraction / det <= l.planned_fraction))
+    return gh_fail(
+        ctx, GH_INPUT,
+        "%s: %s is %.4g: no packing can follow, the grains would fill %.3g of the cell (%.3g now). "
+        "%s",
+        where, what, det, fraction / det, fraction, gh_limits_undeformed);
+  if (!(det <= l.expansion))
+    return gh_fail(ctx, GH_INPUT, "%s: %s is %.4g, above the limit %g. %s", where, what, det, l.expansion,
+                   gh_limits_undeformed);
+  return GH_OK;
+}
+
+gh_status gh_limits_check_F(gh_context *ctx, const gh_rve_options *o, const char *where, const double F[4],
+                            double fraction) {
+  char what[160];
+  snprintf(what, sizeof what, "the determinant of F = [%g %g; %g %g]", F[0], F[1], F[2], F[3]);
+  return gh_limits_check_volume(ctx, o, where, what, gh_det2(F), fraction);
+}
+
+double gh_packing_volume_fraction(const gh_packing *p) {
+  double area = 0;
+  for (int i = 0; i < p->n; i++) area += acos(-1) * p->radius[i] * p->radius[i];
+  return area / gh_det2(p->cell);
+}
