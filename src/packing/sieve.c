@@ -17,6 +17,8 @@ void gh_sieve_destroy(gh_sieve **sieve) {
 
 /* ---- reading ---- */
 
+static const double SMALLEST = 1e-90, LARGEST = 1e90;
+
 gh_status gh_sieve_refuse(const gh_sieve_source *s, int k, const char *what, double value,
                           const char *limit) {
   if (s->path)
@@ -33,6 +35,8 @@ static gh_status check_rows(const gh_sieve_source *s, gh_sieve_kind kind, int n,
   static const char *const names[] = {"count", "volume_percent", "passing"};
   for (int k = 0; k < n; k++) {
     if (!(d[k] > 0) || !isfinite(d[k])) return gh_sieve_refuse(s, k, "diameter", d[k], "it must be positive");
+    if (d[k] < SMALLEST || d[k] > LARGEST) /* its third power goes into shares and volumes */
+      return gh_sieve_refuse(s, k, "diameter", d[k], "it must lie between 1e-90 and 1e90");
     if (k && !(n > 1 && (d[k] - d[k - 1]) * (d[1] - d[0]) > 0))
       return gh_sieve_refuse(s, k, "diameter", d[k], "the diameters must rise, or fall, from row to row");
     if (!(v[k] >= 0)) return gh_sieve_refuse(s, k, names[kind], v[k], "it must not be negative");

@@ -2,6 +2,7 @@
 #include "test_io.h"
 
 #include "granhom/macro.h"
+#include "granhom/packing.h"
 
 static gh_yaml *parsed(place *p, const char *text) {
   gh_yaml *doc;
@@ -116,10 +117,29 @@ static void a_dataset_is_no_group(void **state) {
   gh_h5_close(&file);
 }
 
+/* Diameters whose powers leave the range of numbers gave shares that are none. */
+static void diameters_have_third_powers(void **state) {
+  place *p = *state;
+  const char *const wrong[] = {"5e-309", "1e-120", "1e120", "1e308"};
+  for (size_t k = 0; k < sizeof wrong / sizeof *wrong; k++) {
+    const bool small = strstr(wrong[k], "e-") != NULL;
+    char text[128];
+    gh_sieve *sieve = NULL;
+    snprintf(text, sizeof text, "diameter,volume_percent\n%s,50\n%s,50\n", small ? wrong[k] : "1",
+             small ? "1" : wrong[k]);
+    assert_int_equal(gh_sieve_read(p->ctx, put_file(p, "s.csv", text), &sieve), GH_INPUT);
+    assert_non_null(strstr(gh_message(p->ctx), small ? "s.csv:2: diameter" : "s.csv:3: diameter"));
+    assert_null(sieve);
+  }
+}
+
 int main(void) {
 #define TEST(f) cmocka_unit_test_setup_teardown(f, begin, end)
   const struct CMUnitTest tests[] = {TEST(a_message_has_no_control_characters),
-                                     TEST(a_printed_document_is_the_same), TEST(odd_keys_are_set_or_refused),
-                                     TEST(a_mesh_without_names_is_read), TEST(a_dataset_is_no_group)};
+                                     TEST(a_printed_document_is_the_same),
+                                     TEST(odd_keys_are_set_or_refused),
+                                     TEST(a_mesh_without_names_is_read),
+                                     TEST(a_dataset_is_no_group),
+                                     TEST(diameters_have_third_powers)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
