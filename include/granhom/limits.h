@@ -15,10 +15,11 @@ extern "C" {
 
 typedef struct gh_limits {
   /* of accepted states */
-  double overlap_warned; /* mean overlap over the mean radius: above, a warning */
-  double overlap;        /* ... above, the computation stops. Infinite where all grains follow F (Taylor):
-                            their overlaps follow from F alone, large in a large shear, and are no sign of
-                            stress against stiffness; the volume fraction is */
+  double overlap_warned;   /* mean overlap over the mean radius: above, a warning */
+  double overlap;          /* ... above, the computation stops */
+  double sheared_fraction; /* volume fraction up to which `overlap` does not stop. Where all grains follow F
+                              (Taylor) overlaps are large in a large shear without compression (reference
+                              cases: 0.872); elsewhere 0 */
   /* volume fraction: areas of the disks over that of the cell, overlaps counted twice. Dense sand has 0.84
      and reaches 1 with a mean overlap of 0.11 to 0.16, a lattice of equal disks (0.907) with 0.1, which is
      right */
@@ -26,8 +27,8 @@ typedef struct gh_limits {
   double covered; /* above, with any overlap: the thinnest covering of the plane by equal disks, no voids */
   int engulfed;   /* contacts with an overlap above the smaller radius. A contact that spans a third grain
                      whose centre lies on its branch vector implies one: with d_ik + d_kj = d_ij < r_i + r_j
-                     the overlaps of k with i and j add up to more than 2 r_k. As
-                     the mean overlap, not where all grains follow F */
+                     the overlaps of k with i and j add up to more than 2 r_k. Not
+                     where all grains follow F: their large shears bring such contacts */
   /* of what is prescribed */
   double stress_warned;    /* stress over normal stiffness: above, a warning */
   double stress;           /* ... above, refused */

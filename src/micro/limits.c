@@ -29,9 +29,10 @@ static bool follows(const gh_rve_options *o) {
 
 gh_limits gh_limits_of(const gh_rve_options *o) {
   gh_limits l = defaults;
-  if (follows(o)) l.overlap = INFINITY, l.engulfed = INT_MAX;
+  if (follows(o)) l.sheared_fraction = 0.9, l.engulfed = INT_MAX;
   if (o->allow_overlap <= 0) return l;
   l.overlap_warned = l.overlap = o->allow_overlap;
+  l.sheared_fraction = 0;
   if (o->allow_overlap <= defaults.overlap) return l;
   l.fraction = l.covered = l.planned_fraction = l.stress_warned = l.stress = INFINITY;
   l.engulfed = INT_MAX;
@@ -42,8 +43,12 @@ static double fraction_limit(const gh_limits *l, const gh_rve_measures *m) {
   return m->overlap > l->fraction_overlap ? l->fraction : l->covered;
 }
 
+static bool overlap_holds(const gh_limits *l, const gh_rve_measures *m) {
+  return m->overlap <= l->overlap || m->volume_fraction <= l->sheared_fraction;
+}
+
 bool gh_limits_hold(const gh_limits *l, const gh_rve_measures *m) {
-  return m->overlap <= l->overlap && m->volume_fraction <= fraction_limit(l, m) && m->engulfed <= l->engulfed;
+  return overlap_holds(l, m) && m->volume_fraction <= fraction_limit(l, m) && m->engulfed <= l->engulfed;
 }
 
 double gh_limits_pressure(const gh_rve_measures *m) {
@@ -69,7 +74,7 @@ gh_status gh_limits_check_state(gh_context *ctx, const gh_rve_options *o, const 
                                 const char *where) {
   const gh_limits l = gh_limits_of(o);
   if (gh_limits_hold(&l, m)) return GH_OK;
-  if (!(m->overlap <= l.overlap))
+  if (!overlap_holds(&l, m))
     return stop(ctx, o, m, where, "the mean overlap over the mean radius", m->overlap, l.overlap);
   if (!(m->volume_fraction <= fraction_limit(&l, m)))
     return stop(ctx, o, m, where, "the volume fraction", m->volume_fraction, fraction_limit(&l, m));
