@@ -2,6 +2,8 @@
 #include "cli.h"
 #include "pack_spec.h"
 
+#include "granhom/limits.h"
+
 #include <stdlib.h>
 #include <string.h>
 
@@ -88,6 +90,18 @@ static gh_status parse(gh_context *ctx, int argc, char **argv, pack_spec *spec) 
   if (file) GH_TRY(pack_spec_read(ctx, file, spec));
   for (int k = 1; k < argc; k++) GH_TRY(take(ctx, argc, argv, &k, spec));
   return pack_spec_complete(ctx, spec);
+}
+
+/* A pressure against the stiffness of the grains (granhom/limits.h). */
+static gh_status check_goal(gh_context *ctx, const pack_spec *spec) {
+  const gh_finish_options *f = &spec->soft_options;
+  gh_rve_options o = gh_rve_defaults();
+  bool warned = false;
+  char what[64];
+  if (!spec->finish || f->goal != GH_FINISH_PRESSURE) return GH_OK;
+  o.law.normal_stiffness = f->normal_stiffness;
+  snprintf(what, sizeof what, "the pressure, %g,", f->target);
+  return gh_limits_check_stress(ctx, &o, "--finish", what, f->target, GH_STRESS_NORMAL, &warned);
 }
 
 /* Growth takes long: what would fail at its end is tried before. */
@@ -226,6 +240,7 @@ static gh_status prepare(gh_context *ctx, const pack_spec *spec, ingredients *fr
 static gh_status work(gh_context *ctx, int argc, char **argv, pack_spec *spec) {
   ingredients from = {0};
   GH_TRY(parse(ctx, argc, argv, spec));
+  GH_TRY(check_goal(ctx, spec));
   GH_TRY(check_files(ctx, spec));
   if (spec->finish) GH_TRY(cli_mpi(ctx, true));
   gh_status status = prepare(ctx, spec, &from);

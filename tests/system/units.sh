@@ -87,6 +87,14 @@ printf 'steps:\n  - {name: a, increments: 3, control: {F11: {by: -0.13}, F22: {b
 said 1 'element stops at a state beyond the limits' 'a, increment ' element "$p" --control control.yaml --normal-stiffness 50 --engine native -o e.csv
 check 'its rows before are on disk' test "$(rows e.csv)" -ge 2
 
+# --- pressures of a packing ---
+soft() { said "$1" "$2" "$3" pack --sieve "$root/scenes/block/sieve150.csv" --finish "pressure=$4" --normal-stiffness 50 -o soft.data; }
+soft 0 'pack: a pressure above 0.05 of the stiffness is warned of' 'the pressure, 3, is 0.06 of the normal stiffness 50' 3
+check 'pack: once' test "$(warnings)" = 1
+soft 0 'pack: a pressure below it is not' '' 2
+check 'pack: no warning' test "$(warnings)" = 0
+refused_by pack 'a pressure in kPa' 'the pressure must lie between 0 and 25, not 200' --sieve "$root/scenes/block/sieve150.csv" --finish pressure=200 --normal-stiffness 50 -o out.data
+
 # --- scenes ---
 scene() { # CONTACT START PRESSURE STEPS...
   cat >s.yaml <<S
