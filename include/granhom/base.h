@@ -117,9 +117,9 @@ void gh_work_end(gh_context *ctx, gh_work *w, double done);
 const char *gh_build(void);
 
 /* Which BLAS is loaded, as text: folder and file of the library with its version, and what it says of itself.
- * Bits of results depend on it. "unknown": there is none. */
+ * Bits of results depend on it. "unknown": there is none. GH_SYSTEM: its path cannot be resolved. */
 enum { GH_BLAS_SIZE = 256 };
-void gh_blas(char *text, size_t size);
+gh_status gh_blas(gh_context *ctx, char *text, size_t size);
 
 /* Seconds of a monotonic clock. */
 double gh_seconds(void);

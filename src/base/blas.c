@@ -6,6 +6,7 @@
 #include "granhom/base.h"
 
 #include <dlfcn.h>
+#include <errno.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -30,11 +31,18 @@ static void blas_describe(char *text, size_t size) {
   }
 }
 
-void gh_blas(char *text, size_t size) {
+gh_status gh_blas(gh_context *ctx, char *text, size_t size) {
   Dl_info info;
   void *function = dlsym(RTLD_DEFAULT, "dgemm_");
-  char *path = function && dladdr(function, &info) && info.dli_fname ? realpath(info.dli_fname, NULL) : NULL;
-  snprintf(text, size, "%s", path ? path_end(path) : "unknown");
-  free(path);
+  snprintf(text, size, "unknown");
+  if (function && dladdr(function, &info) && info.dli_fname) {
+    char *path = realpath(info.dli_fname, NULL);
+    if (!path)
+      return gh_fail(ctx, GH_SYSTEM, "%s: the path of the BLAS cannot be resolved: %s", info.dli_fname,
+                     strerror(errno));
+    snprintf(text, size, "%s", path_end(path));
+    free(path);
+  }
   blas_describe(text, size);
+  return GH_OK;
 }

@@ -180,7 +180,7 @@ static gh_status put_marks(archive *a, const gh_scene *s) {
   mark list[MARKS];
   find_marks(s, list);
   char blas[GH_BLAS_SIZE];
-  gh_blas(blas, sizeof blas);
+  GH_TRY(gh_blas(a->ctx, blas, sizeof blas));
   for (int k = 0; k < MARKS; k++) GH_TRY(gh_h5_put_text(a->file, list[k].name, list[k].value));
   return gh_h5_put_text(a->file, "/made/blas", blas);
 }
@@ -286,14 +286,15 @@ gh_status scene_checkpoint_find(const scene_results *r, bool *there) {
 }
 
 /* Another BLAS gives results as right as before, but other last bits. */
-static void check_blas(archive *a) {
+static gh_status check_blas(archive *a) {
   char there[GH_BLAS_SIZE] = "", here[GH_BLAS_SIZE];
-  gh_blas(here, sizeof here);
+  GH_TRY(gh_blas(a->ctx, here, sizeof here));
   if (gh_h5_get_text(a->file, "/made/blas", sizeof there, there) == GH_OK && strcmp(there, here) != 0)
     gh_log(a->ctx, GH_LEVEL_WARNING,
            "the checkpoint was made with the BLAS %s, and now it is %s: results agree to round-off, not to "
            "the bit",
            there, here);
+  return GH_OK;
 }
 
 static gh_status check_marks(archive *a, const gh_scene *s) {
@@ -304,8 +305,7 @@ static gh_status check_marks(archive *a, const gh_scene *s) {
     GH_TRY(gh_h5_get_text(a->file, list[k].name, sizeof value, value));
     if (strcmp(value, list[k].value) != 0) return gh_fail(a->ctx, GH_INPUT, "it %s", list[k].what);
   }
-  check_blas(a);
-  return GH_OK;
+  return check_blas(a);
 }
 
 /* All that a checkpoint holds, before any of it is put to use. */

@@ -193,8 +193,8 @@ gh_status scene_solve_twice(const gh_scene *scene, gh_macro *macro, const gh_loa
 /* The set that a step drives last, and its direction; false: none is driven. */
 bool scene_driven(const gh_scene *scene, int *set, int *direction);
 
-/* record.c: run.json */
-char *scene_run_json(const gh_scene *scene, const gh_farm *farm, const char *started, const char *status,
-                     const char *message, const gh_run_summary *summary);
+/* record.c: run.json; blas: gh_blas. NULL: no memory. */
+char *scene_run_json(const gh_scene *scene, const gh_farm *farm, const char *blas, const char *started,
+                     const char *status, const char *message, const gh_run_summary *summary);
 
 #endif

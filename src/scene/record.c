@@ -22,7 +22,7 @@ static void add_program(gh_json root, const gh_scene *s) {
   gh_json_number(o, "lammps", s->micro.engine == GH_ENGINE_LAMMPS ? gh_engine_lammps_version() : NAN);
 }
 
-static void add_machine(gh_json root) {
+static void add_machine(gh_json root, const char *blas) {
   struct utsname name;
   gh_json o = gh_json_group(root, "machine");
   if (uname(&name) == 0) {
@@ -31,8 +31,6 @@ static void add_machine(gh_json root) {
     gh_json_text(o, "release", name.release);
     gh_json_text(o, "architecture", name.machine);
   }
-  char blas[GH_BLAS_SIZE];
-  gh_blas(blas, sizeof blas);
   gh_json_text(o, "blas", blas);
   gh_json_number(o, "cores", (double)sysconf(_SC_NPROCESSORS_ONLN));
 }
@@ -159,8 +157,8 @@ static void add_summary(gh_json root, const gh_run_summary *m) {
   gh_json_number(time, "results", m->results_seconds);
 }
 
-char *scene_run_json(const gh_scene *scene, const gh_farm *farm, const char *started, const char *status,
-                     const char *message, const gh_run_summary *summary) {
+char *scene_run_json(const gh_scene *scene, const gh_farm *farm, const char *blas, const char *started,
+                     const char *status, const char *message, const gh_run_summary *summary) {
   bool failed = false;
   gh_json root = {.at = cJSON_CreateObject(), .failed = &failed}, units;
   gh_json_text(root, "title", scene->title);
@@ -168,7 +166,7 @@ char *scene_run_json(const gh_scene *scene, const gh_farm *farm, const char *sta
   if (message && *message) gh_json_text(root, "message", message);
   gh_json_text(root, "started", started);
   add_program(root, scene);
-  add_machine(root);
+  add_machine(root, blas);
   add_options(root, scene, farm);
   add_driven(root, scene);
   units = gh_json_group(root, "units");

@@ -46,7 +46,9 @@ static gh_status commit_text(scene_results *r, gh_text *text, const char *name) 
 static gh_status write_json(scene_results *r, const char *status_text, const char *message,
                             const gh_run_summary *summary) {
   gh_text *text;
-  char *json = scene_run_json(r->scene, r->farm, r->started, status_text, message, summary);
+  char blas[GH_BLAS_SIZE];
+  GH_TRY(gh_blas(r->ctx, blas, sizeof blas));
+  char *json = scene_run_json(r->scene, r->farm, blas, r->started, status_text, message, summary);
   if (!json) return gh_fail(r->ctx, GH_MEMORY, "no memory for run.json");
   gh_status status = gh_text_create(r->ctx, &text);
   if (status == GH_OK) {
