@@ -24,7 +24,7 @@ static const char help[] =
     "                         standard input\n"
     "  -o, --output DIR       folder of the results: crosscheck.csv, crosscheck.png (needs gnuplot), and\n"
     "                         refine.csv with --refine\n" CONTACT_HELP
-    "                         (hardening must be 0: the other programs have none)\n"
+    "                         --hardening must be 0 here: the other programs have none\n"
     "  --engines LIST         of the words above, with commas; all others are compared with the first\n"
     "                         (default lammps,native,gran,liggghts)\n"
     "  --tolerance T          largest force on a grain over the mean contact force (default "

@@ -285,6 +285,8 @@ static gh_status element(job *j) {
                     : element_spec_read_path(j->ctx, a->path, &j->spec));
   GH_TRY(gh_packing_read(j->ctx, a->packing, &j->packing));
   GH_TRY(cli_check_outputs(j->ctx, (const char *const[]){a->output, a->save}, 2));
+  GH_TRY(cli_check_inputs_kept(j->ctx, (const char *const[]){a->output, a->save}, 2,
+                               (const char *const[]){a->packing, a->control, a->path, a->load}, 4));
   GH_TRY(element_spec_check(j->ctx, &j->spec, &a->rve, j->packing, a->load != NULL));
   contact_note(j->ctx, &a->contact, &a->rve.law);
   GH_TRY(cli_mpi(j->ctx, true));

@@ -20,7 +20,9 @@ static gh_status check_script(gh_context *ctx, const char *path) {
   int there = 1;
   if (cli_rank() == 0 && path && strcmp(path, "none")) {
     struct stat info;
-    there = access(path, R_OK) == 0 && stat(path, &info) == 0 && !S_ISDIR(info.st_mode);
+    /* a device without an end would be read for ever */
+    there = access(path, R_OK) == 0 && stat(path, &info) == 0 &&
+            (S_ISREG(info.st_mode) || S_ISFIFO(info.st_mode));
   }
   return cli_share(there) ? GH_OK : gh_fail(ctx, GH_INPUT, "cannot open the input script %s", path);
 }

@@ -109,6 +109,8 @@ static gh_status check_files(gh_context *ctx, const pack_spec *spec) {
   const char *dot = spec->picture ? strrchr(spec->picture, '.') : NULL;
   if (spec->picture && !(dot && (!strcmp(dot, ".svg") || !strcmp(dot, ".png"))))
     return gh_fail(ctx, GH_INPUT, "--picture: '%s' ends neither in .svg nor in .png", spec->picture);
+  GH_TRY(cli_check_inputs_kept(ctx, (const char *const[]){spec->output, spec->picture}, 2,
+                               (const char *const[]){spec->sieve}, 1));
   if (!spec->ensemble) return cli_check_outputs(ctx, (const char *const[]){spec->output, spec->picture}, 2);
   char *path = gh_ensemble_path(spec->output, 1);
   char *picture = spec->picture ? gh_ensemble_path(spec->picture, 1) : NULL;

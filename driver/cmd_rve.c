@@ -293,6 +293,8 @@ static gh_status rve(job *j) {
   GH_TRY(gh_packing_read(j->ctx, a->packing, &j->packing));
   GH_TRY(path_read(j->ctx, a->path, &j->path));
   GH_TRY(cli_check_outputs(j->ctx, (const char *const[]){a->output, a->tangent, a->dump, a->save}, 4));
+  GH_TRY(cli_check_inputs_kept(j->ctx, (const char *const[]){a->output, a->tangent, a->dump, a->save}, 4,
+                               (const char *const[]){a->packing, a->path, a->load}, 3));
   GH_TRY(path_check(j->ctx, a->path, &j->path, &a->rve, j->packing));
   contact_note(j->ctx, &a->contact, &a->rve.law);
   GH_TRY(cli_mpi(j->ctx, true));

@@ -58,7 +58,7 @@ E3
   [ "$hardening" = 0 ] && steps=400000 || steps=50000
   [ "$kind" = cyclic ] && path="cyclic-$most" || path="$kind-$axis-$most"
   ./granhom rve "sand-$packing.data" --path "paths/$path.csv" --boundary "$boundary" --engine "$ENGINE" --normal-stiffness 1000 \
-    --friction-angle "$angle" --hardening "$hardening" --max-steps $steps -o "$2.csv" >"$2.log" 2>&1 || code=$?
+    --friction-angle "$angle" --hardening "$hardening" --max-steps $steps --allow-overlap -o "$2.csv" >"$2.log" 2>&1 || code=$?
   ;;
 esac
 rm -rf "$TMPDIR"

@@ -63,7 +63,7 @@ typedef struct gh_rve_measures {
   int sliding;  /* contacts on the Coulomb limit */
   int factorisations;
   int kept;        /* times that slip was kept on the way (method.md, Circles) */
-  int accepted;    /* taken as it is, with a residual above the tolerance (gh_rve_options) */
+  int accepted;    /* unconverged: by options.accept, or within 3 times the tolerance after all steps */
   int polished;    /* the residual was reached by Newton polish */
   int unjammed;    /* no contact, or free grains without contact force: P = 0, A = 0 */
   int regularised; /* the tangent's matrix was not positive definite and was shifted */

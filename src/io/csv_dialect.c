@@ -66,8 +66,9 @@ gh_status gh_table_separator(gh_table *t, const char *header) {
   else if (presents > 1 && agrees > 1)
     return GH_TABLE_FAIL(t, "%s", "',' and ';' may both separate the columns here; put the names in quotes");
   int words = count_words(header, whole);
-  if (!presents && words > 1 && words == count_words(row, n - (n > 0 && row[n - 1] == '\r')))
-    t->separator = ' ';
+  bool with_row = words == count_words(row, n - (n > 0 && row[n - 1] == '\r')),
+       with_comment = t->comment && words == count_words(t->comment, strlen(t->comment)); /* a single row */
+  if (!presents && words > 1 && (with_row || with_comment)) t->separator = ' ';
   return GH_OK;
 }
 

@@ -10,6 +10,11 @@
 #include <string.h>
 
 static const double first_relaxation = 1e-5;
+/* A packing that has spent its steps this near the tolerance is accepted unconverged: it is reported, and
+ * counted, and more steps would hardly change its stress. */
+static const double nearly = 3;
+/* Share of round-off in the contact forces above which a packing counts as stress-free. */
+static const double stress_free = 1e-3;
 
 /* Largest force on a free member, and largest moment over the radius where members turn. */
 static double largest_unbalance(const gh_rve *r) {
@@ -46,13 +51,24 @@ gh_status gh_rve_look_at_contacts(gh_rve *r) {
   return GH_OK;
 }
 
+/* What round-off of the positions leaves of a residual. */
+static double round_off(const gh_rve *r) {
+  const gh_contact_law *law = &r->options.law;
+  double stiffest =
+      gh_rve_friction(r) ? fmax(law->normal_stiffness, law->tangential_stiffness) : law->normal_stiffness;
+  return r->m.mean_force > 0 ? 16 * DBL_EPSILON * stiffest * r->extent / r->m.mean_force : 0;
+}
+
 /* The residual that is good enough: the wanted one, or what round-off of the positions leaves. */
 static double target(const gh_rve *r) {
-  const gh_contact_law *law = &r->options.law;
-  double stiffest = gh_rve_friction(r) ? fmax(law->normal_stiffness, law->tangential_stiffness)
-                                       : law->normal_stiffness,
-         roundoff = 16 * DBL_EPSILON * stiffest * r->extent;
-  return r->m.mean_force > 0 ? fmax(r->options.tolerance, roundoff / r->m.mean_force) : r->options.tolerance;
+  return fmax(r->options.tolerance, round_off(r));
+}
+
+/* Forces that are mostly round-off are no stress: nobody can tell whether they balance. */
+static void find_stress_free(gh_rve *r) {
+  if (r->m.unjammed || round_off(r) <= stress_free) return;
+  r->m.unjammed = true;
+  r->m.residual = 0;
 }
 
 /* Numbers the unknowns at the contacts and rattlers at hand. */
@@ -276,7 +292,8 @@ static gh_status relax(gh_rve *r, double tolerance, long *left) {
     GH_TRY(gh_rve_look_at_contacts(r));
     if (r->coupled && !result.converged) GH_TRY(end_circle(r, fmax(tolerance, target(r)), *left > 0));
     if (r->m.residual <= fmax(tolerance, target(r))) return GH_OK;
-    r->m.accepted = *left <= 0 && r->m.residual * r->m.mean_force <= r->options.accept;
+    r->m.accepted = *left <= 0 && (r->m.residual * r->m.mean_force <= r->options.accept ||
+                                   r->m.residual <= nearly * fmax(tolerance, target(r)));
     if (r->m.accepted) return GH_OK;
     if (*left <= 0 || result.steps < 1)
       return gh_fail(r->ctx, GH_DIVERGED,
@@ -361,5 +378,6 @@ gh_status gh_rve_equilibrate(gh_rve *r) {
   r->cost.set += gh_seconds() - start;
   if (!gh_rve_solves(r)) return gh_rve_look_at_contacts(r);
   GH_TRY(polishes(r) ? solve(r) : solve_alone(r));
+  find_stress_free(r);
   return gh_engine_get(r->engine, r->x, r->theta);
 }

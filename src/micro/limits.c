@@ -55,6 +55,12 @@ double gh_limits_pressure(const gh_rve_measures *m) {
   return -(m->cauchy[0] + m->cauchy[3]) / 2;
 }
 
+/* A stiffness that was not given is the first thing to look at. */
+static const char *default_note(const gh_rve_options *o) {
+  const bool is_default = o->law.normal_stiffness == gh_rve_defaults().law.normal_stiffness;
+  return is_default ? " (the default where none is given)" : "";
+}
+
 static const char *cause(const gh_rve_options *o) {
   static const char *const strain =
       "all grains follow F there, so that the cause is a prescribed strain this large, or units";
@@ -64,10 +70,12 @@ static const char *cause(const gh_rve_options *o) {
 static gh_status stop(gh_context *ctx, const gh_rve_options *o, const gh_rve_measures *m, const char *where,
                       const char *what, double value, double limit) {
   const double E = o->law.normal_stiffness;
-  return gh_fail(ctx, GH_LIMIT,
-                 "%s: %s is %.4g, above the limit %.4g, where the mean stress is %.3g, %.3g of the normal "
-                 "stiffness %g: %s. `contact: {allow_overlap: true}` or --allow-overlap computes such states",
-                 where, what, value, limit, gh_limits_pressure(m), gh_limits_pressure(m) / E, E, cause(o));
+  return gh_fail(
+      ctx, GH_LIMIT,
+      "%s: %s is %.4g, above the limit %.4g, where the mean stress is %.3g, %.3g of the normal "
+      "stiffness %g%s: %s. `contact: {allow_overlap: true}` or --allow-overlap computes such states",
+      where, what, value, limit, gh_limits_pressure(m), gh_limits_pressure(m) / E, E, default_note(o),
+      cause(o));
 }
 
 gh_status gh_limits_check_state(gh_context *ctx, const gh_rve_options *o, const gh_rve_measures *m,
@@ -90,9 +98,9 @@ void gh_limits_warn(gh_context *ctx, const gh_rve_options *o, const char *where,
   gh_log(
       ctx, GH_LEVEL_WARNING,
       "%s: the mean overlap is %.3g of the mean radius, above %.3g, where the mean stress is %.3g, %.3g of "
-      "the normal stiffness %g. The contact law is for stiff grains: %s",
+      "the normal stiffness %g%s. The contact law is for stiff grains: %s",
       where, overlap, l.overlap_warned, pressure, pressure / o->law.normal_stiffness, o->law.normal_stiffness,
-      cause(o));
+      default_note(o), cause(o));
 }
 
 gh_status gh_limits_check(gh_context *ctx, const gh_rve_options *o, const gh_rve_measures *m,
@@ -113,15 +121,16 @@ gh_status gh_limits_check_stress(gh_context *ctx, const gh_rve_options *o, const
         "sign",
         where, what, -compression);
   if (!(fabs(ratio) <= l.stress) && kind != GH_STRESS_LOAD)
-    return gh_fail(ctx, GH_INPUT,
-                   "%s: %s is %.3g of the normal stiffness %g, above the limit %g: grains would be squeezed "
-                   "flat; %s",
-                   where, what, fabs(ratio), E, l.stress, units);
+    return gh_fail(
+        ctx, GH_INPUT,
+        "%s: %s is %.3g of the normal stiffness %g%s, above the limit %g: grains would be squeezed "
+        "flat; %s",
+        where, what, fabs(ratio), E, default_note(o), l.stress, units);
   if (fabs(ratio) > l.stress_warned && !*warned) {
     gh_log(ctx, GH_LEVEL_WARNING,
-           "%s: %s is %.3g of the normal stiffness %g, above %g: overlaps will be about that share of the "
+           "%s: %s is %.3g of the normal stiffness %g%s, above %g: overlaps will be about that share of the "
            "diameter; %s",
-           where, what, fabs(ratio), E, l.stress_warned, units);
+           where, what, fabs(ratio), E, default_note(o), l.stress_warned, units);
     *warned = true;
   }
   return GH_OK;

@@ -236,7 +236,7 @@ static gh_status check_limits(run *r) {
   }
   if (overlap > limits.overlap_warned) {
     char where[192];
-    snprintf(where, sizeof where, "%s %d: all integration points together",
+    snprintf(where, sizeof where, "step '%s', increment %d: all integration points together",
              gh_scene_step_name(r->scene, r->step), r->increment);
     gh_limits_warn(r->ctx, o, where, overlap, pressure, &r->warned);
   }

@@ -126,6 +126,13 @@ static void choose_time(const scene_table *h, const char *force_unit, scene_curv
   snprintf(c->force_label, sizeof c->force_label, "support force on bottom in y%s", force_unit);
 }
 
+/* Whether the run has come to a step that prescribes the displacement: before, it is nan. */
+static bool has_moved(const scene_table *h, int column) {
+  for (int k = 0; k < h->nrows; k++)
+    if (isfinite(scene_table_number(h, k, column))) return true;
+  return false;
+}
+
 /* The row before the driven set first moves. */
 static void choose_first(const scene_table *h, scene_curve *c) {
   for (int k = 1; c->driven && k < h->nrows; k++) {
@@ -141,6 +148,10 @@ gh_status scene_curve_choose(gh_context *ctx, const scene_table *h, const scene_
   if (*l->length) snprintf(unit, sizeof unit, " (%s)", l->length);
   if (*l->force) snprintf(force_unit, sizeof force_unit, " (%s)", l->force);
   if (*l->driven_set) GH_TRY(choose_driven(ctx, h, l, unit, force_unit, c));
+  if (*l->driven_set && !has_moved(h, c->x)) {
+    *c = (scene_curve){.sign = 1};
+    choose_time(h, force_unit, c);
+  } else if (*l->driven_set) c->driven = true;
   else if (!choose_footing(h, unit, force_unit, c)) choose_time(h, force_unit, c);
   c->dilatancy = scene_table_column(h, "dilatancy");
   if (c->x < 0 || c->dilatancy < 0)
