@@ -50,6 +50,8 @@ gh_status gh_limits_check_state(gh_context *ctx, const gh_rve_options *options, 
 /* Warns of a mean overlap (over the mean radius), as long as *warned is false. */
 void gh_limits_warn(gh_context *ctx, const gh_rve_options *options, const char *where, double overlap,
                     double pressure, bool *warned);
+/* Whether a line of the log is a warning of this file: for those who silence all others. */
+bool gh_limits_is_warning(const char *line);
 /* Both, for a single packing. */
 gh_status gh_limits_check(gh_context *ctx, const gh_rve_options *options, const gh_rve_measures *m,
                           const char *where, bool *warned);

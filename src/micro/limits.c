@@ -3,6 +3,7 @@
 
 #include <limits.h>
 #include <math.h>
+#include <string.h>
 
 /* The measurement that chose them is in docs/user-guide.md, "Known limits". */
 static const gh_limits defaults = {.overlap_warned = 0.05,
@@ -101,6 +102,10 @@ void gh_limits_warn(gh_context *ctx, const gh_rve_options *o, const char *where,
       "the normal stiffness %g%s. The contact law is for stiff grains: %s",
       where, overlap, l.overlap_warned, pressure, pressure / o->law.normal_stiffness, o->law.normal_stiffness,
       default_note(o), cause(o));
+}
+
+bool gh_limits_is_warning(const char *line) {
+  return strstr(line, "of the normal stiffness ") != NULL;
 }
 
 gh_status gh_limits_check(gh_context *ctx, const gh_rve_options *o, const gh_rve_measures *m,

@@ -40,6 +40,7 @@ typedef struct study_run {
   bool other_build;    /* and it was written by another build of granhom */
   gh_status status;    /* GH_OK, or why it ended early: the curve then is what came before */
   char message[512];
+  char warning[512]; /* of a state beyond granhom/limits.h, the first one; "" when read from a record */
   double wall, core; /* seconds: of the clock; of the processor, all threads */
   long force_evaluations, pair_evaluations, factorisations,
       evaluations;                /* of packings: machine-independent counts */

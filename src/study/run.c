@@ -1,6 +1,7 @@
 /* All runs of a study, spread over the ranks; then tables and pictures. SPDX-License-Identifier:
  * GPL-2.0-or-later */
 #include "scene/internal.h"
+#include "granhom/limits.h"
 #include "study/parts.h"
 
 #include <errno.h>
@@ -40,9 +41,12 @@ static study_run *run_at(const gh_study *s, place p) {
 
 /* ---- what is told ---- */
 
+static const char warned_words[] = "beyond known limits: ";
+
 static void hear(void *data, const char *note) {
   job *j = data;
-  gh_log(j->s->ctx, GH_LEVEL_INFO, "%d of %d: %s", ++j->told, j->count, note);
+  const gh_level level = strstr(note, warned_words) ? GH_LEVEL_WARNING : GH_LEVEL_INFO;
+  gh_log(j->s->ctx, level, "%d of %d: %s", ++j->told, j->count, note);
   gh_work_advance(j->s->ctx, &j->progress, j->told);
 }
 
@@ -50,7 +54,9 @@ static void tell(job *j, place p) {
   char note[STUDY_NOTE], name[256];
   const study_run *run = run_at(j->s, p);
   study_run_name(j->s, p.setting, p.member, name, sizeof name);
-  if (run->status == GH_OK) snprintf(note, sizeof note - 1, "%s: done, %.3g s", name, run->wall);
+  const char *words = *run->warning ? warned_words : "", *comma = *run->warning ? ", " : "";
+  if (run->status == GH_OK)
+    snprintf(note, sizeof note - 1, "%s: done, %.3g s%s%s%s", name, run->wall, comma, words, run->warning);
   else snprintf(note, sizeof note - 1, "%s: failed after %.3g s: %s", name, run->wall, run->message);
   if (study_team_rank(j->team) == 0) hear(j, note);
   else study_team_tell(j->team, note);
@@ -98,11 +104,18 @@ static void measure(job *j, study_problem *p, study_run *run) {
   snprintf(run->message, sizeof run->message, "%s", run->status == GH_OK ? "" : gh_message(p->ctx));
 }
 
-/* In a context of its own, so that it says nothing but its end. */
+static void warning_note(void *data, gh_level level, const char *line) {
+  study_run *run = data;
+  if (level == GH_LEVEL_WARNING && !*run->warning && gh_limits_is_warning(line))
+    snprintf(run->warning, sizeof run->warning, "%s", line);
+}
+
+/* In a context of its own, so that nothing but its end and a warning of limits is logged. */
 static gh_status compute(job *j, place at, study_run *run) {
   gh_context *quiet;
   study_problem p;
   if (gh_context_create(&quiet) != GH_OK) return gh_fail(j->s->ctx, GH_MEMORY, "no memory for a run");
+  gh_set_log(quiet, warning_note, run);
   gh_status status = study_problem_open(quiet, j->s, at.setting, at.member, -1, &p);
   if (status != GH_OK) { /* it was in order when the study was read */
     status = gh_fail(j->s->ctx, status == GH_INPUT ? GH_SYSTEM : status, "%s", gh_message(quiet));

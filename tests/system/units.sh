@@ -43,6 +43,27 @@ said 0 'rve names the stiffness when it is the default' 'normal stiffness 1 (def
 said 0 'and not when it is given' '' rve "$p" --path warned.csv --engine native --normal-stiffness 1 -o d.csv
 check 'not a word about it' test "$(grep -c default said.err)" = 0
 
+# --- studies ---
+study() { # STRETCH
+  cat >study.yaml <<S
+title: limits
+rve:
+  packing: $p
+  contact: {normal_stiffness: 50}
+  micro: {boundary: taylor, engine: native}
+  path: {legs: [{to: [$1, 0, 0, $1], increments: 10}]}
+vary: {micro.tolerance: [1e-3]}
+reference: {set: {micro.tolerance: 1e-8}}
+S
+}
+study 0.94
+said 0 'a study warns of overlaps of its runs' 'beyond known limits: the packing: the mean overlap is ' study study.yaml -o w
+study 0.99
+said 0 'a study below them' '' study study.yaml -o n
+check 'a study below them: no warning' test "$(warnings)" = 0
+study 0.8
+said 1 'a study none of whose runs has a right result' 'the volume fraction is ' study study.yaml -o s
+
 # --- deformations that no packing follows ---
 path() { printf 'step,F11,F12,F21,F22\n%s\n' "$1" >path.csv; }
 unfollowed() { # NAME ROW WORDS
