@@ -63,7 +63,7 @@ typedef struct gh_rve_measures {
   int sliding;  /* contacts on the Coulomb limit */
   int factorisations;
   int kept;        /* times that slip was kept on the way (method.md, Circles) */
-  int accepted;    /* unconverged: by options.accept, or within 3 times the tolerance after all steps */
+  int accepted;    /* unconverged: by options.accept, or in gh_rve_reach */
   int polished;    /* the residual was reached by Newton polish */
   int unjammed;    /* no contact, or free grains without contact force: P = 0, A = 0 */
   int regularised; /* the tangent's matrix was not positive definite and was shifted */
@@ -111,7 +111,8 @@ typedef struct gh_rve_way {
 } gh_rve_way;
 enum { GH_WAY_CUTS = 6 };
 /* Finds the equilibrium at `to` and makes it the trial state; A (4 x 4, iJkL) as in gh_rve_evaluate. A part
- * that has none is halved, GH_WAY_CUTS times at most below the `halvings`; behind it parts grow again. All
+ * that has none is halved, GH_WAY_CUTS times at most below the `halvings`; behind it parts grow again. At the
+ * last cut a packing that has spent its steps within three times the tolerance is accepted unconverged. All
  * parts but the last are committed. GH_DIVERGED: cuts are spent; the converged state is that of the last part
  * that was reached. Other errors as in gh_rve_evaluate. */
 gh_status gh_rve_reach(gh_rve *rve, gh_rve_way *way, double A[16]);

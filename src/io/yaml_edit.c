@@ -224,7 +224,9 @@ void gh_yaml_print(gh_yaml_node node, gh_text *out) {
   if (!gh_yaml_has(node)) return;
   const yaml_node_t *n = gh_yaml_look(node);
   int length = gh_yaml_length(node);
-  if (gh_yaml_is_scalar(node)) {
+  if (gh_yaml_is_scalar(node) && n->data.scalar.length == 0 && node.node == gh_yaml_root(node.doc).node) {
+    gh_text_print(out, "\"\""); /* nothing would be no document */
+  } else if (gh_yaml_is_scalar(node)) {
     print_scalar(n, out);
   } else if (gh_yaml_is_list(node)) {
     for (int k = 0; k < length; k++) {

@@ -10,9 +10,6 @@
 #include <string.h>
 
 static const double first_relaxation = 1e-5;
-/* A packing that has spent its steps this near the tolerance is accepted unconverged: it is reported, and
- * counted, and more steps would hardly change its stress. */
-static const double nearly = 3;
 /* Share of round-off in the contact forces above which a packing counts as stress-free. */
 static const double stress_free = 1e-3;
 
@@ -293,7 +290,7 @@ static gh_status relax(gh_rve *r, double tolerance, long *left) {
     if (r->coupled && !result.converged) GH_TRY(end_circle(r, fmax(tolerance, target(r)), *left > 0));
     if (r->m.residual <= fmax(tolerance, target(r))) return GH_OK;
     r->m.accepted = *left <= 0 && (r->m.residual * r->m.mean_force <= r->options.accept ||
-                                   r->m.residual <= nearly * fmax(tolerance, target(r)));
+                                   r->m.residual <= r->accept_within * fmax(tolerance, target(r)));
     if (r->m.accepted) return GH_OK;
     if (*left <= 0 || result.steps < 1)
       return gh_fail(r->ctx, GH_DIVERGED,

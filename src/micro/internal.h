@@ -139,12 +139,14 @@ struct gh_rve {
   gh_rattlers *rattlers;
   int n; /* members: primaries, or the cluster */
   bool periodic;
-  bool relaxes;  /* positions of free members are unknown */
-  bool turns;    /* rotations are unknown: friction, and not fixed */
-  double volume; /* of the reference cell */
-  double floor;  /* mean normal force at or below which the packing counts as unjammed */
-  double mean_radius; /* of the primary grains */
-  double extent; /* of the cell and the positions: sets round-off of the forces */
+  bool relaxes;         /* positions of free members are unknown */
+  bool turns;           /* rotations are unknown: friction, and not fixed */
+  double volume;        /* of the reference cell */
+  double accept_within; /* multiple of the tolerance up to which a packing that has spent its steps is
+                           accepted */
+  double floor;         /* mean normal force at or below which the packing counts as unjammed */
+  double mean_radius;   /* of the primary grains */
+  double extent;        /* of the cell and the positions: sets round-off of the forces */
   const double *radius;
   const unsigned char *held;
   unsigned char *all_held; /* memory of `held` where all positions are prescribed */

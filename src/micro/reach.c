@@ -10,6 +10,9 @@
 static const double branch = 0.1;
 /* Stresses are off by up to this many times the residual. */
 static const double amplified = 1e3;
+/* Multiple of the tolerance up to which the last cut accepts a packing unconverged: it is reported, and more
+ * steps would hardly change its stress. */
+static const double nearly = 3;
 
 /* A part from the converged state to the share `end` of the way. */
 static gh_status reach_part(gh_rve *rve, gh_rve_way *w, double end, double A[16]) {
@@ -29,7 +32,9 @@ gh_status gh_rve_reach(gh_rve *rve, gh_rve_way *w, double A[16]) {
   double t = 0, dt = ldexp(1, -w->halvings);
   w->parts = w->cuts = 0;
   for (int level = w->halvings; t < 1;) {
+    rve->accept_within = level == deepest ? nearly : 0;
     gh_status status = reach_part(rve, w, t + dt, A);
+    rve->accept_within = 0;
     if (status == GH_DIVERGED && level < deepest) {
       GH_TRY(gh_rve_revert(rve));
       dt /= 2, level++, w->cuts++;

@@ -63,7 +63,7 @@ solver: {tangent: elastic, max_iterations: 50}" 'tangent of the packings as read
 explain 'symmetrised tangent' "$rough
 solver: {tangent: symmetrised}" 'made symmetric: CHOLMOD' '! unsymmetric'
 head_before=$head
-head=$(printf '%s' "$head" | sed 's/^steps:.*/steps: [{name: press, increments: 2, pressure: [{edge: right, to: 0.1, follow: true}], footing: [{edge: top, force: [0, -0.1]}]}]/; s/^supports:.*/supports: [{edge: bottom, fix: both}]/')
+head=$(printf '%s' "$head" | sed 's/^steps:.*/steps: [{name: press, increments: 2, pressure: [{edge: right, to: 0.1, follow: true}, {edge: left, to: 0.1, follow: true}], footing: [{edge: top, force: [0, -0.1]}]}]/; s/^supports:.*/supports: [{edge: bottom, fix: both}]/')
 explain 'a footing, pressure that follows' "$rough" 'unsymmetric (friction, pressure that follows the edge): UMFPACK' 'three unknowns for each footing' "rigid footing on 'top'"
 head=$(printf '%s' "$head_before" | sed "s|^packing:.*|packing: [$cases/packings/p50.data, $cases/packings/p20.data]|")
 options=--no-share
