@@ -173,6 +173,8 @@ static gh_status write_row(job *j, long step, const double A[16]) {
   GH_TRY(check_rows(j, row, tangent_row));
   if (m->unjammed)
     gh_log(j->ctx, GH_LEVEL_INFO, "step %ld: unjammed, no contact carries a force: P = 0", step);
+  else if (m->stress_free)
+    gh_log(j->ctx, GH_LEVEL_INFO, "step %ld: unjammed, contact forces are round-off: no stress", step);
   rve_doubts_tell(j->ctx, &j->doubts, step);
   if (m->regularised)
     gh_log(j->ctx, GH_LEVEL_WARNING, "step %ld: a mode without stiffness: the tangent is regularised", step);

@@ -66,6 +66,7 @@ typedef struct gh_rve_measures {
   int accepted;    /* unconverged: by options.accept, or in gh_rve_reach */
   int polished;    /* the residual was reached by Newton polish */
   int unjammed;    /* no contact, or free grains without contact force: P = 0, A = 0 */
+  int stress_free; /* unjammed, or the contact forces of free grains are mostly round-off: no stress */
   int regularised; /* the tangent's matrix was not positive definite and was shifted */
 } gh_rve_measures;
 

@@ -63,9 +63,8 @@ static double target(const gh_rve *r) {
 
 /* Forces that are mostly round-off are no stress: nobody can tell whether they balance. */
 static void find_stress_free(gh_rve *r) {
-  if (r->m.unjammed || round_off(r) <= stress_free) return;
-  r->m.unjammed = true;
-  r->m.residual = 0;
+  r->m.stress_free = r->m.unjammed || round_off(r) > stress_free;
+  if (r->m.stress_free) r->m.residual = 0;
 }
 
 /* Numbers the unknowns at the contacts and rattlers at hand. */
@@ -373,7 +372,11 @@ gh_status gh_rve_equilibrate(gh_rve *r) {
   r->shift = 0;
   GH_TRY(gh_engine_set(r->engine, cell, r->x, r->theta));
   r->cost.set += gh_seconds() - start;
-  if (!gh_rve_solves(r)) return gh_rve_look_at_contacts(r);
+  if (!gh_rve_solves(r)) {
+    GH_TRY(gh_rve_look_at_contacts(r));
+    r->m.stress_free = r->m.unjammed;
+    return GH_OK;
+  }
   GH_TRY(polishes(r) ? solve(r) : solve_alone(r));
   find_stress_free(r);
   return gh_engine_get(r->engine, r->x, r->theta);
