@@ -56,13 +56,14 @@ static gh_status read_way(node n, const char *key, element_step *step, int k) {
       return number(value, words[w], &step->value[k]);
     }
   }
-  if (gh_yaml_is_scalar(n) && gh_yaml_text(n, key, &text) == GH_OK && !strcmp(text, "hold")) {
+  const bool there = gh_yaml_is_scalar(n) && gh_yaml_text(n, key, &text) == GH_OK;
+  if (there && !strcmp(text, "hold")) {
     step->way[k] = ELEMENT_BY;
     step->value[k] = 0;
     return GH_OK;
   }
   double value;
-  if (!gh_yaml_is_scalar(n) || !gh_parse_number(text, &value))
+  if (!there || !gh_parse_number(text, &value))
     return gh_yaml_fail(n, "%s must be a number, hold, {to: x}, {by: x} or {times: x}", key);
   step->value[k] = value;
   return GH_OK;

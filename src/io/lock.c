@@ -94,7 +94,10 @@ static gh_status lock_try(gh_lock *l, bool *again) {
   struct stat ours, now;
   *again = false;
   l->fd = open(l->path, O_RDWR | O_CREAT | O_NOFOLLOW | O_CLOEXEC | O_NONBLOCK, 0666);
-  if (l->fd < 0 && errno == ENOENT) return *again = true, GH_OK;
+  if (l->fd < 0 && errno == ENOENT) {
+    *again = true;
+    return GH_OK;
+  }
   if (l->fd < 0) return gh_fail(l->ctx, GH_SYSTEM, "%s: cannot be opened: %s", l->path, strerror(errno));
   if (fcntl(l->fd, F_OFD_SETLK, &whole) != 0) {
     if (errno == EAGAIN || errno == EACCES) return refuse(l);

@@ -421,6 +421,7 @@ gh_status gh_yaml_bool(gh_yaml_node node, const char *what, bool *value) {
 
 gh_status gh_yaml_text(gh_yaml_node node, const char *what, const char **value) {
   char control[GH_QUOTE];
+  *value = NULL;
   if (!gh_yaml_has(node)) return gh_yaml_fail(node, "%s is missing, a text is wanted", what);
   if (!gh_yaml_is_scalar(node))
     return gh_yaml_fail(node, "%s is %s, a text is wanted", what, gh_yaml_kind(node));

@@ -67,6 +67,10 @@ for k in blanks commas; do "$granhom" rve p.data --path $k.csv --engine native -
 if [ -s blanks.out ] && cmp -s blanks.out commas.out && [ "$(wc -l <blanks.out)" = 2 ]; then ok "a table of one row with blanks"
 else not_ok "a table of one row with blanks" "$(cat said)"; fi
 
+# A condition without a value, which looks like one of the next line.
+printf 'steps:\n  - {increments: 2, control: {s11: , s22: -0.3, s12: 0}}\n' >empty.yaml
+refused_by element "a condition without a value" "empty.yaml:2: s11 must be a number" ../p.data --control ../empty.yaml -o o.csv
+
 timeout 20 "$granhom" lammps -in /dev/zero -log none >said 2>&1
 check "a device is no script: exit 2" test $? = 2
 exit $bad
