@@ -146,11 +146,14 @@ static double stretch_between(const extent *low, const extent *high) {
 }
 
 static gh_status refuse_stretch(gh_scene *s, const scene_displace *d, int other, int i, double stretch) {
-  return gh_fail(s->ctx, GH_INPUT,
-                 "%s:%d: this displacement of '%s' leaves %.3g of the distance to '%s' in %c: %s. "
-                 "Displacements are lengths, in the units of the mesh",
-                 s->path, d->line, s->mesh->sets[d->set].name, stretch, s->mesh->sets[other].name, "xy"[i],
-                 stretch > 0 ? "no packing can follow" : "the mesh would be turned inside out");
+  return gh_fail(
+      s->ctx, GH_INPUT,
+      "%s:%d: this displacement of '%s' makes the distance to '%s' in %c %.3g times what it is: %s. "
+      "Displacements are lengths, in the units of the mesh",
+      s->path, d->line, s->mesh->sets[d->set].name, s->mesh->sets[other].name, "xy"[i], stretch,
+      stretch > 1   ? "no grains would touch"
+      : stretch > 0 ? "no packing can follow"
+                    : "the mesh would be turned inside out");
 }
 
 /* The least stretch in direction i between the driven set and any other one. */
@@ -171,7 +174,8 @@ gh_status scene_check_stretch(gh_scene *s, const scene_step *step) {
     for (int i = 0; i < 2; i++) {
       int other = 0;
       double stretch = least_stretch(s, step->displaces[k].set, i, &other);
-      if (stretch < limits.stretch) return refuse_stretch(s, step->displaces + k, other, i, stretch);
+      if (stretch < limits.stretch || (stretch > limits.expansion && isfinite(stretch)))
+        return refuse_stretch(s, step->displaces + k, other, i, stretch);
     }
   return GH_OK;
 }

@@ -139,7 +139,8 @@ scene 50 '{confinement: 100}' 'displace: [{edge: top, y: -1}]'; wrong 'a confine
 scene 50 '{confinement: 0.01}' 'pressure: [{edge: right, to: -0.2}, {edge: top, to: 0.01}]'; wrong 'a pressure that pulls' 'is a tension of 0.2'
 scene 50 '{confinement: 0.01}' 'pressure: [{edge: right, from: -0.1, to: 0.2}, {edge: top, to: 0.01}]'; wrong 'a pressure that pulls at first' 'is a tension of 0.1'
 scene 50 '{confinement: 0.01}' 'pressure: [{edge: right, to: 0.02}]'; wrong 'a free edge that nothing presses on' "'top', is neither supported nor pressed"
-scene 50 '{confinement: 0.01}' 'displace: [{edge: top, y: -300}]'; wrong 'a displacement through the body' 's.yaml:10: this displacement of '\''top'\'' leaves -2 of the distance to '\''bottom'\'' in y'
+scene 50 '{confinement: 0.01}' 'displace: [{edge: top, y: -300}]'; wrong 'a displacement through the body' 's.yaml:10: this displacement of '\''top'\'' makes the distance to '\''bottom'\'' in y -2 times what it is: the mesh would be turned inside out'
+scene 50 '{confinement: 0.01}' 'displace: [{edge: top, y: 30000}]'; wrong 'a displacement far off' 's.yaml:10: this displacement of '\''top'\'' makes the distance to '\''bottom'\'' in y 301 times what it is: no grains would touch'
 scene 50 '{confinement: 0.01}' 'displace: [{edge: top, y: -95}]'; wrong 'a displacement that leaves next to nothing' 'no packing can follow'
 scene 50 '{confinement: 0.01}' 'displace: [{edge: bottom, y: 130}, {edge: top, y: 0}]'; wrong 'a displacement from below' 'turned inside out'
 scene '50, allow_overlap: some' '{confinement: 0.01}' 'displace: [{edge: top, y: -1}]'; wrong 'an allowed overlap that is a word' 'must be true, false or a mean overlap'
