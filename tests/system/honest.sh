@@ -71,6 +71,11 @@ else not_ok "a table of one row with blanks" "$(cat said)"; fi
 printf 'steps:\n  - {increments: 2, control: {s11: , s22: -0.3, s12: 0}}\n' >empty.yaml
 refused_by element "a condition without a value" "empty.yaml:2: s11 must be a number" ../p.data --control ../empty.yaml -o o.csv
 
+# LAMMPS hands indices below 1 to a fix.
+sed -e 's/^thermo_style .*/thermo_style custom step f_relax[-1]/' "$root/lammps-inputs/in.compress" >in.index
+cp "$root"/lammps-inputs/*.data . 2>/dev/null
+timeout 60 "$granhom" lammps -in in.index -log none -screen none >said 2>&1
+check "an index that no fix has" grep -q "granhom/relax has no value -1" said
 timeout 20 "$granhom" lammps -in /dev/zero -log none >said 2>&1
 check "a device is no script: exit 2" test $? = 2
 exit $bad

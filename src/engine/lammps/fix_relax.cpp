@@ -601,6 +601,8 @@ double FixRelax::compute_vector(int n) {
                            ended == CONVERGED  ? 1.
                            : ended == UNJAMMED ? 2.
                                                : 0.};
+  if (n < 0 || n >= (int)(sizeof values / sizeof *values)) /* thermo does not look at indices below 1 */
+    error->all(FLERR, "Fix granhom/relax has no value " + std::to_string((long)n + 1));
   return values[n];
 }
 
