@@ -64,9 +64,14 @@ gh_status scene_residuals_read(gh_context *ctx, const char *path, gh_csv **csv) 
   free(text);
   if (cut) return gh_fail(ctx, GH_INPUT, "%s: the last line is cut off", path);
   GH_TRY(gh_csv_read(ctx, path, csv));
-  if ((*csv)->nrows > 0 && gh_csv_find(*csv, "step") >= 0 && gh_csv_find(*csv, "iteration") >= 0 &&
-      gh_csv_find(*csv, "relative") >= 0)
-    return GH_OK;
+  const int step = gh_csv_find(*csv, "step");
+  bool good = (*csv)->nrows > 0 && step >= 0 && gh_csv_find(*csv, "iteration") >= 0 &&
+              gh_csv_find(*csv, "relative") >= 0;
+  for (int k = 0; good && k < (*csv)->nrows; k++) {
+    const double number = (*csv)->value[(size_t)k * (size_t)(*csv)->ncols + (size_t)step];
+    good = number >= 0 && number < 1e9;
+  }
+  if (good) return GH_OK;
   gh_csv_destroy(csv);
   return gh_fail(ctx, GH_INPUT, "%s: holds no residuals", path);
 }
