@@ -13,6 +13,8 @@ static const double amplified = 1e3;
 /* Multiple of the tolerance up to which the last cut accepts a packing unconverged: it is reported, and more
  * steps would hardly change its stress. */
 static const double nearly = 3;
+/* A loose tolerance has no room for that. */
+static const double tight = 1e-6;
 
 /* A part from the converged state to the share `end` of the way. */
 static gh_status reach_part(gh_rve *rve, gh_rve_way *w, double end, double A[16]) {
@@ -32,7 +34,7 @@ gh_status gh_rve_reach(gh_rve *rve, gh_rve_way *w, double A[16]) {
   double t = 0, dt = ldexp(1, -w->halvings);
   w->parts = w->cuts = 0;
   for (int level = w->halvings; t < 1;) {
-    rve->accept_within = level == deepest ? nearly : 0;
+    rve->accept_within = level == deepest && rve->options.tolerance <= tight ? nearly : 0;
     gh_status status = reach_part(rve, w, t + dt, A);
     rve->accept_within = 0;
     if (status == GH_DIVERGED && level < deepest) {
