@@ -147,12 +147,11 @@ gh_status scene_curve_choose(gh_context *ctx, const scene_table *h, const scene_
   *c = (scene_curve){.sign = 1};
   if (*l->length) snprintf(unit, sizeof unit, " (%s)", l->length);
   if (*l->force) snprintf(force_unit, sizeof force_unit, " (%s)", l->force);
-  if (*l->driven_set) GH_TRY(choose_driven(ctx, h, l, unit, force_unit, c));
-  if (*l->driven_set && !has_moved(h, c->x)) {
-    *c = (scene_curve){.sign = 1};
-    choose_time(h, force_unit, c);
-  } else if (*l->driven_set) c->driven = true;
-  else if (!choose_footing(h, unit, force_unit, c)) choose_time(h, force_unit, c);
+  const bool drives = *l->driven_set != 0;
+  if (drives) GH_TRY(choose_driven(ctx, h, l, unit, force_unit, c));
+  const bool stands = drives && !has_moved(h, c->x);
+  if (stands) *c = (scene_curve){.sign = 1};
+  if (stands || (!drives && !choose_footing(h, unit, force_unit, c))) choose_time(h, force_unit, c);
   c->dilatancy = scene_table_column(h, "dilatancy");
   if (c->x < 0 || c->dilatancy < 0)
     return gh_fail(ctx, GH_INPUT, "%s: lacks the columns to draw (time, dilatancy)", h->path);
