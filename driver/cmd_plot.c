@@ -58,25 +58,38 @@ static bool left_out(const plot_arguments *a, picture *draw) {
   return none || !gh_h5_available();
 }
 
+static const struct {
+  const char *name;
+  picture *draw;
+} pictures[] = {
+    {"mesh.png", mesh}, {"rve.png", rve}, {"curves.png", curves}, {"convergence.png", convergence}};
+enum { PICTURES = sizeof pictures / sizeof *pictures };
+
+/* Which pictures can be drawn; what is wrong with a folder is said before anything is written. */
+static gh_status pictures_choose(gh_context *ctx, const plot_arguments *a, bool chosen[PICTURES]) {
+  for (int k = 0; k < PICTURES; k++) {
+    gh_status status = pictures[k].draw(ctx, a, NULL);
+    chosen[k] = status == GH_OK;
+    bool none = status == GH_INPUT && a->point < 0 && left_out(a, pictures[k].draw);
+    if (!chosen[k] && !none) return status;
+    if (none) fprintf(stderr, "granhom: no %s: %s\n", pictures[k].name, gh_message(ctx));
+  }
+  return GH_OK;
+}
+
 static gh_status work(gh_context *ctx, const plot_arguments *a) {
-  static const struct {
-    const char *name;
-    picture *draw;
-  } pictures[] = {
-      {"mesh.png", mesh}, {"rve.png", rve}, {"curves.png", curves}, {"convergence.png", convergence}};
+  bool chosen[PICTURES];
   GH_TRY(gh_results_check(ctx, a->results));
   GH_TRY(gh_output_folder_check(ctx, a->folder));
+  GH_TRY(pictures_choose(ctx, a, chosen));
   GH_TRY(gh_folder_make(ctx, a->folder));
-  for (size_t k = 0; k < sizeof pictures / sizeof *pictures; k++) {
+  for (int k = 0; k < PICTURES; k++) {
+    if (!chosen[k]) continue;
     char *png = gh_path_join(a->folder, pictures[k].name);
     if (!png) return gh_fail(ctx, GH_MEMORY, "no memory for a path");
     gh_status status = pictures[k].draw(ctx, a, png);
     if (status == GH_OK) printf("%s\n", png);
     free(png);
-    if (status == GH_INPUT && a->point < 0 && left_out(a, pictures[k].draw)) {
-      fprintf(stderr, "granhom: no %s: %s\n", pictures[k].name, gh_message(ctx));
-      continue;
-    }
     GH_TRY(status);
   }
   return GH_OK;

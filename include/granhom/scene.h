@@ -140,6 +140,8 @@ void gh_dump_grains(gh_text *out, long step, const gh_rve_view *view);
  * files that do not belong together (fewer increments than run.json has counted). A run that is under way is
  * whole up to its last complete increment. */
 gh_status gh_results_check(gh_context *ctx, const char *folder);
+/* Pictures of a folder of results. png NULL: all that a picture needs is read and laid out, and nothing is
+ * written, so that what cannot be drawn is refused before the first picture is. */
 /* Deformed mesh at the last increment over the outline of the undeformed one, coloured by the von Mises
  * stress. */
 gh_status gh_picture_mesh(gh_context *ctx, const char *folder, const char *png);

@@ -15,10 +15,10 @@ static gh_status drawing_begin(gh_context *ctx, int width, int height, gh_text *
   return GH_OK;
 }
 
-/* Draws when all went well so far, and frees. */
+/* Draws when all went well so far and there is a file to draw into, and frees. */
 static gh_status drawing_end(gh_context *ctx, gh_text **out, const char *png, gh_status status) {
   if (status == GH_OK) status = gh_text_check(*out);
-  if (status == GH_OK) status = scene_gnuplot(ctx, gh_text_get(*out, NULL), png);
+  if (status == GH_OK && png) status = scene_gnuplot(ctx, gh_text_get(*out, NULL), png);
   gh_text_destroy(out);
   return status;
 }

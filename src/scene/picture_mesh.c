@@ -221,9 +221,9 @@ gh_status gh_picture_mesh(gh_context *ctx, const char *folder, const char *png) 
   GH_TRY(scene_labels_read(ctx, folder, &l));
   gh_status status = mesh_data_read(ctx, folder, &d);
   if (status == GH_OK) {
-    status = scene_page_open(ctx, &p, 1000, 800, png);
+    status = scene_page_open(ctx, &p, 1000, 800, png ? png : "mesh.png");
     if (status == GH_OK) status = draw_mesh(&p, &d, &l);
-    if (status == GH_OK) status = scene_page_write(&p, png);
+    if (status == GH_OK && png) status = scene_page_write(&p, png);
     scene_page_close(&p);
   }
   mesh_data_free(&d);

@@ -189,9 +189,9 @@ gh_status gh_picture_rve(gh_context *ctx, const char *folder, int point, const c
   GH_TRY(scene_labels_read(ctx, folder, &l));
   gh_status status = read_point(ctx, folder, l.points, point, &d);
   if (status == GH_OK) {
-    status = scene_page_open(ctx, &p, 900, 1000, png);
+    status = scene_page_open(ctx, &p, 900, 1000, png ? png : "rve.png");
     if (status == GH_OK) draw_rve(&p, &d, &l);
-    if (status == GH_OK) status = scene_page_write(&p, png);
+    if (status == GH_OK && png) status = scene_page_write(&p, png);
     scene_page_close(&p);
   }
   scene_rve_free(&d);

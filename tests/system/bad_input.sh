@@ -286,6 +286,12 @@ head -c 3000 good/results.h5 >cut/results.h5
 badplot 'a truncated file of results' 'cut/results.h5: is damaged' cut
 echo '{' >cut/run.json
 badplot 'a broken run.json' 'cut/run.json: is no JSON' cut
+rm -f good/*.png
+badplot 'a point that is not recorded, once more' 'integration point 99 is not recorded' good --point 99
+cp -r good odd && sed -i '2s/^[^,]*/x/' odd/convergence.csv
+badplot 'a table of the last picture that cannot be read' 'odd/convergence.csv:2' odd
+if ls good/*.png odd/*.png >log 2>&1; then echo 'not ok - plot: pictures before a refusal'; failed=1
+else echo 'ok - plot: no picture is drawn before a refusal'; fi
 
 # Options
 "$granhom" run 2>err; code=$?
