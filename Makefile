@@ -6,8 +6,8 @@
 #   make fuzz     an hour of random inputs for all readers and of mutated scripts, scenes and studies (FUZZ_SECONDS, FUZZ_JOBS,
 #                 FUZZ_SEED, FUZZ_ONLY="gmsh scene"), on a build with sanitizers; findings are kept in build-fuzz/findings
 #   make faults   every allocation and every call on files fails once: run, rve, element, pack, report ... (SAMPLE=N: N points a row)
-#   make extreme  the cases of docs/stability.md, the long ones too, and its table
-#   make study    tables and pictures of docs/error-vs-time.md (hours); make study QUICK=1 (minutes)
+#   make extreme  the cases of docs/reports/stability.md, the long ones too, and its table
+#   make study    tables and pictures of docs/reports/error-vs-time.md (hours); make study QUICK=1 (minutes)
 #   make format   clang-format over all sources
 #   make MPI=0 HDF5=0   without ranks, without HDF5 files (docs/user-guide.md); the same words again with make check, install ...
 #   make install   PREFIX=/usr/local DESTDIR=   program, library, headers, granhom.pc, manual page;   make uninstall
@@ -27,7 +27,7 @@ LEFT_OUT := $(if $(filter 0,$(MPI)),src/farm/mpi.c src/farm/serve.c src/study/te
 CC     ?= gcc
 CXX    ?= g++
 WARN   := -Wall -Wextra -Wpedantic -Werror
-# All objects serve the shared library too: position-independent code costs nothing here (docs/performance.md).
+# All objects serve the shared library too: position-independent code costs nothing here (docs/reports/performance.md).
 PIC    := -fPIC -fno-semantic-interposition
 FLAGS  := $(OPT) -g $(ARCH) -fno-math-errno $(PIC) $(SAN) $(WARN) -Iinclude -Isrc -I$(BUILD) -DGH_BUILD_FLAGS='"$(OPT) $(ARCH) $(SAN)"'
 CPPFLAGS_PKG := $(shell pkg-config --cflags $(PKGS) | sed 's/-I/-isystem /g') -isystem /usr/include/suitesparse $(if $(filter 0,$(MPI)),-DGH_NO_MPI)
@@ -142,25 +142,25 @@ valgrind:
 	@BUILD=$(BUILD)-valgrind tests/valgrind.sh
 format:
 	@clang-format -i $$(git ls-files '*.c' '*.h' '*.cpp')
-# The tables and pictures of docs/verification.md: a quarter of an hour on two cores.
+# The tables and pictures of docs/reports/verification.md: a quarter of an hour on two cores.
 .PHONY: verification
 verification:
 	@scripts/install-packages.sh check
 	@$(MAKE) --no-print-directory -j$$(nproc) all $(BUILD)/tests/verify/test_rve_cases
 	@scripts/block-study.sh $(BUILD)
-# Calls that fail (docs/architecture.md, "Failing calls"); a sample of it is in make check.
+# Calls that fail (docs/explanation/architecture.md, "Failing calls"); a sample of it is in make check.
 .PHONY: faults
 faults:
 	@scripts/install-packages.sh check
 	@$(MAKE) --no-print-directory -j$$(nproc) all
 	@BUILD=$(BUILD) tests/faults/run.sh
-# The table of docs/stability.md: some minutes.
+# The table of docs/reports/stability.md: some minutes.
 .PHONY: extreme
 extreme:
 	@scripts/install-packages.sh check
 	@$(MAKE) --no-print-directory -j$$(nproc) all $(patsubst %.c,$(BUILD)/%,$(wildcard tests/extreme/test_*.c))
 	@scripts/extreme.sh $(BUILD)
-# The tables and pictures of docs/error-vs-time.md: hours; QUICK=1: small versions in minutes, in $(BUILD)/studies/quick.
+# The tables and pictures of docs/reports/error-vs-time.md: hours; QUICK=1: small versions in minutes, in $(BUILD)/studies/quick.
 .PHONY: study
 study:
 	@scripts/install-packages.sh check

@@ -1,5 +1,5 @@
-/* Energy defect and step doubling along a path of one material point: docs/method.md, "What a run knows of
- * its error". SPDX-License-Identifier: GPL-2.0-or-later */
+/* Energy defect and step doubling along a path of one material point: docs/explanation/method.md, "Error
+ * estimates". SPDX-License-Identifier: GPL-2.0-or-later */
 #include "rve_error.h"
 
 #include <string.h>

@@ -1,6 +1,6 @@
 #!/bin/sh
 # The block of sand under three side pressures and three boundary conditions: runs what has no finished results yet, then puts tables
-# into docs/verification.md and curves into docs/figures. block-study.sh BUILD [OUTDIR]; FRESH=1 repeats all runs. Called by
+# into docs/reports/verification.md and curves into docs/figures. block-study.sh BUILD [OUTDIR]; FRESH=1 repeats all runs. Called by
 # `make verification`. SPDX-License-Identifier: GPL-2.0-or-later
 set -eu
 cd "$(dirname "$0")/.."
@@ -49,7 +49,7 @@ done | xargs -n 1 | xargs -n 1 -P 2 sh "$out/one.sh" "$out"
 
 "$out/test_rve_cases" >"$out/rve_cases.txt" 2>&1 || echo "test_rve_cases failed: see $out/rve_cases.txt" >&2
 python=/usr/bin/python3
-"$python" -B scripts/block_study.py "$out" docs/verification.md
+"$python" -B scripts/block_study.py "$out" docs/reports/verification.md
 gnuplot -e "out='$out'; png='docs/figures/block.png'" scripts/block-curves.gp
 gnuplot -e "out='$out'; maps='docs/figures/acoustic.png'; strips='docs/figures/jumps.png'" scripts/block-acoustic.gp
-echo "docs/verification.md and docs/figures/{block,acoustic,jumps}.png are up to date"
+echo "docs/reports/verification.md and docs/figures/{block,acoustic,jumps}.png are up to date"

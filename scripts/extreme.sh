@@ -1,10 +1,10 @@
 #!/usr/bin/env bash
-# Runs the cases of extremes in their full sizes and writes the table of docs/stability.md between its markers. Leaves the page as it
+# Runs the cases of extremes in their full sizes and writes the table of docs/reports/stability.md between its markers. Leaves the page as it
 # is when a case fails. SPDX-License-Identifier: GPL-2.0-or-later
 set -u
 cd "$(dirname "$0")/.." || exit 1
 export BUILD=${1:-build} OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1 OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1
-page=docs/stability.md
+page=docs/reports/stability.md
 work=$(mktemp -d) || exit 1
 trap 'rm -rf "$work"' EXIT
 export GH_EXTREME_FULL=1 GH_EXTREME_TABLE=$work/rows

@@ -1,7 +1,7 @@
 """Tables, checks and curves of the friction study: friction_study.py OUTDIR DOCS
 
 Reads the results of scripts/friction-study.sh in OUTDIR, replaces what stands between `<!-- begin NAME -->` and `<!-- end NAME -->` in
-DOCS/friction.md and DOCS/verification.md, and writes OUTDIR/curve_*.txt for the pictures. Exit status 1 when a check fails.
+DOCS/explanation/friction.md and DOCS/reports/verification.md, and writes OUTDIR/curve_*.txt for the pictures. Exit status 1 when a check fails.
 Python's own library only. SPDX-License-Identifier: GPL-2.0-or-later"""
 import csv
 import glob
@@ -330,8 +330,8 @@ def main():
              "effort": effort_table(sets) + "".join(f"\n- {t}" for t in lost), "rotations": rotation_table(text), "energy": energy_table(text)}
     blocks = block_parts(out, checks)
     parts["checks"] = checks.table()
-    block.replace(f"{docs}/friction.md", parts)
-    block.replace(f"{docs}/verification.md", blocks)
+    block.replace(f"{docs}/explanation/friction.md", parts)
+    block.replace(f"{docs}/reports/verification.md", blocks)
     for what, value, met in checks.rows:
         print(f"{'ok  ' if met == 'yes' else 'FAIL'} {what}: {value}")
     return 1 if checks.failed else 0

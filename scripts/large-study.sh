@@ -1,6 +1,6 @@
 #!/bin/sh
 # The biaxial test (scenes/biaxial) and the slope (scenes/slope): runs what has no finished results yet, then puts tables into
-# docs/verification-large.md and pictures into docs/figures. large-study.sh BUILD [OUTDIR]
+# docs/reports/verification-large.md and pictures into docs/figures. large-study.sh BUILD [OUTDIR]
 #   FRESH=1            repeats all runs
 #   RUNS="NAME ..."    only these of biaxial_taylor biaxial_restricted biaxial_periodic slope_taylor; slope_periodic_friction
 #                      runs only when it is named
@@ -54,5 +54,5 @@ for name in biaxial_taylor biaxial_restricted; do
 done
 gnuplot -e "out='$out'; png='$figures/biaxial-curves.png'; rves='$figures/biaxial-rves.png'; slope='$figures/slope-curves.png'" \
   scripts/large-curves.gp
-/usr/bin/env python3 scripts/large_study.py "$out" docs/verification-large.md
-echo "docs/verification-large.md and docs/figures/{biaxial,slope}-*.png are up to date"
+/usr/bin/env python3 scripts/large_study.py "$out" docs/reports/verification-large.md
+echo "docs/reports/verification-large.md and docs/figures/{biaxial,slope}-*.png are up to date"

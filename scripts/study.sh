@@ -1,6 +1,6 @@
 #!/bin/sh
 # Error against run time: grows the ensembles of packings, runs the studies of scenes/studies (granhom study), then puts their tables and
-# pictures into docs/error-vs-time.md and docs/figures. Finished runs are not repeated.
+# pictures into docs/reports/error-vs-time.md and docs/figures. Finished runs are not repeated.
 #   study.sh BUILD [OUTDIR]   results are kept in OUTDIR (default BUILD/studies)
 #   QUICK=1                   small versions of all studies, in OUTDIR/quick; the page is written there and docs/ is left alone
 #   STUDIES="NAME ..."        only these
@@ -62,9 +62,9 @@ for name in $studies; do
 done
 
 if [ "$quick" = 1 ]; then
-  mkdir -p "$out/figures"
-  cp docs/error-vs-time.md "$out/error-vs-time.md"
-  /usr/bin/env python3 scripts/study_page.py "$out" "$out/error-vs-time.md"
+  mkdir -p "$out/figures" "$out/reports"
+  cp docs/reports/error-vs-time.md "$out/reports/error-vs-time.md"
+  /usr/bin/env python3 scripts/study_page.py "$out" "$out/reports/error-vs-time.md"
 else
-  /usr/bin/env python3 scripts/study_page.py "$out" docs/error-vs-time.md
+  /usr/bin/env python3 scripts/study_page.py "$out" docs/reports/error-vs-time.md
 fi

@@ -1,7 +1,7 @@
 """Tables and pictures of the studies: study_page.py OUTDIR PAGE.md
 
 Replaces what stands between `<!-- begin study NAME -->` and `<!-- end study NAME -->` in PAGE.md by the table of OUTDIR/NAME/study.md, and copies the
-pictures that the page shows as figures/study-NAME-PICTURE.png from OUTDIR/NAME/PICTURE.png. Python's own library only.
+pictures that the page shows as ../figures/study-NAME-PICTURE.png from OUTDIR/NAME/PICTURE.png. Python's own library only.
 SPDX-License-Identifier: GPL-2.0-or-later"""
 import os
 import re
@@ -43,7 +43,7 @@ text = re.sub(r"(<!-- begin study ([\w-]+) -->).*?(<!-- end study \2 -->)", tabl
 for name, picture in re.findall(r"figures/study-([\w-]+?)-(work-precision-count|work-precision|order|curves)\.png", text):
     source = os.path.join(out, name, f"{picture}.png")
     if os.path.exists(source):
-        shutil.copy(source, os.path.join(os.path.dirname(page), "figures", f"study-{name}-{picture}.png"))
+        shutil.copy(source, os.path.join(os.path.dirname(page), "..", "figures", f"study-{name}-{picture}.png"))
     else:
         print(f"{page}: study {name} has no picture {picture}.png", file=sys.stderr)
 with open(page + ".tmp", "w") as f:

@@ -138,7 +138,7 @@ gh_status gh_macro_balance(gh_macro *macro);
  * the state is that of the last converged part (farm reverted), and the message names the integration point
  * or the node with the largest residual and the reason. */
 gh_status gh_macro_solve(gh_macro *macro, const gh_loads *loads, gh_macro_report *report);
-/* ---- what it knows of its error (docs/method.md) ---- */
+/* ---- what it knows of its error (docs/explanation/method.md) ---- */
 
 /* Of all converged parts since the energy was set to zero; the residuals since the begin. */
 typedef struct gh_energy {

@@ -62,7 +62,7 @@ typedef struct gh_rve_measures {
   int engulfed; /* contacts with an overlap above the smaller radius: a centre lies in the other grain */
   int sliding;  /* contacts on the Coulomb limit */
   int factorisations;
-  int kept;        /* times that slip was kept on the way (method.md, Circles) */
+  int kept;        /* times that slip was kept on the way (docs/explanation/method.md, "Limit cycles") */
   int accepted;    /* unconverged: by options.accept, or in gh_rve_reach */
   int polished;    /* the residual was reached by Newton polish */
   int unjammed;    /* no contact, or free grains without contact force: P = 0, A = 0 */
@@ -130,8 +130,8 @@ typedef struct gh_rve_balance {
 void gh_rve_balance_add(gh_rve_balance *balance, const gh_rve_measures *m);
 /* (work - held) / largest; 0 where nothing was done beyond round-off (a rotation): |P| |F| / 1e12. */
 double gh_rve_balance_defect(const gh_rve_balance *balance);
-/* Whether a path in halves and the same in whole increments have become two (docs/method.md, "What a run
- * knows of its error"): `growth` is by how much they have parted in this increment, `change` how much the
+/* Whether a path in halves and the same in whole increments have become two (docs/explanation/method.md,
+ * "Error estimates"): `growth` is by how much they have parted in this increment, `change` how much the
  * stress has changed in it, `scale` the stress, all in the same norm; `tolerance` is that of the stress. */
 bool gh_is_branch(const gh_contact_law *law, double tolerance, double growth, double change, double scale);
 /* Of the last evaluation. */

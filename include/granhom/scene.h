@@ -82,7 +82,7 @@ typedef struct gh_run_options {
  * where it is largest; displacements; the force on the driven set (all reactions where none is driven). */
 enum { GH_ERROR_STRESS, GH_ERROR_STRESS_LARGEST, GH_ERROR_DISPLACEMENT, GH_ERROR_FORCE, GH_ERRORS };
 
-/* Estimate by step doubling (docs/method.md, "What a run knows of its error"). */
+/* Estimate by step doubling (docs/explanation/method.md, "Error estimates"). */
 typedef struct gh_run_estimate {
   int increments;           /* compared */
   int branched;             /* of these: the path is another one in halves, or not continuous */

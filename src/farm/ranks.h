@@ -1,4 +1,4 @@
-/* Messages between the ranks of a farm: docs/architecture.md, "Protocol of the ranks".
+/* Messages between the ranks of a farm: docs/explanation/architecture.md, "Protocol of the ranks".
  * SPDX-License-Identifier: GPL-2.0-or-later */
 #ifndef GRANHOM_FARM_RANKS_H
 #define GRANHOM_FARM_RANKS_H

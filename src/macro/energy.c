@@ -1,4 +1,4 @@
-/* Work, energy and residuals of all converged parts (docs/method.md, "What a run knows of its error").
+/* Work, energy and residuals of all converged parts (docs/explanation/method.md, "Error estimates").
  * SPDX-License-Identifier: GPL-2.0-or-later
  *
  * All sums go over the integration points or the degrees of freedom in their order, so that they do not

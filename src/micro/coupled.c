@@ -2,8 +2,8 @@
  * KLU of SuiteSparse. SPDX-License-Identifier: GPL-2.0-or-later
  *
  * KLU and not UMFPACK: the factors are so sparse that UMFPACK's dense fronts do not pay
- * (docs/performance.md). Blocks are of members, up to 3 x 3 (u_x, u_y, theta); the pattern of blocks is
- * symmetric. */
+ * (docs/reports/performance.md). Blocks are of members, up to 3 x 3 (u_x, u_y, theta); the pattern of blocks
+ * is symmetric. */
 #include "micro/internal.h"
 
 #include <stdlib.h>

@@ -174,7 +174,7 @@ struct gh_rve {
 /* Gives the converged state to the engine, once, and not again before it changes. */
 gh_status gh_rve_begin_increment(gh_rve *rve);
 /* Slip goes on from the contacts at hand, in equilibrium or not, as it does in each time step of a direct
- * simulation (method.md, Circles). */
+ * simulation (docs/explanation/method.md, "Limit cycles"). */
 gh_status gh_rve_keep_slip(gh_rve *rve);
 /* Slip goes on from rve->kept as it is. */
 gh_status gh_rve_go_on(gh_rve *rve);

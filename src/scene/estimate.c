@@ -1,4 +1,4 @@
-/* Estimate of the error of the path by step doubling (docs/method.md, "What a run knows of its error").
+/* Estimate of the error of the path by step doubling (docs/explanation/method.md, "Error estimates").
  * SPDX-License-Identifier: GPL-2.0-or-later */
 #include "scene/internal.h"
 

@@ -98,7 +98,7 @@ void scene_history_header(scene_results *r) {
   gh_text_print(r->history, "\n");
 }
 
-/* The end of a row: what is known of the error (docs/method.md). */
+/* The end of a row: what is known of the error (docs/explanation/method.md). */
 static void history_errors(scene_results *r, const scene_frame *f) {
   const gh_energy *e = f->energy;
   const gh_run_estimate *q = f->estimate;

@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# The program at the edges: exit status and message of what is refused, numbers of what is answered. Rows of docs/stability.md go to
+# The program at the edges: exit status and message of what is refused, numbers of what is answered. Rows of docs/reports/stability.md go to
 # the file GH_EXTREME_TABLE, where that is set. SPDX-License-Identifier: GPL-2.0-or-later
 set -u
 BUILD=$(cd "${BUILD:-build}" && pwd) || exit 1

@@ -2,7 +2,7 @@
  * SPDX-License-Identifier: GPL-2.0-or-later
  *
  * Orders and true errors are those against the same scene with many more increments, solved once.
- * ESTIMATE_TELL=1 prints the numbers of docs/method.md. */
+ * ESTIMATE_TELL=1 prints the numbers of docs/explanation/method.md. */
 #include "../help.h"
 #include "scene/internal.h"
 

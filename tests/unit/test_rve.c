@@ -408,7 +408,8 @@ static void balances(void **state) {
   NEAR("defect", gh_rve_balance_defect(&b), 0.94 / 9.4, 1e-14);
 }
 
-/* The limits of docs/method.md: a thousand tolerances, and with friction a tenth of the change as well. */
+/* The limits of docs/explanation/method.md: a thousand tolerances, and with friction a tenth of the change as
+ * well. */
 static void branches(void **state) {
   (void)state;
   const gh_contact_law smooth = {.normal_stiffness = 1}, rough = {.normal_stiffness = 1, .friction = 1};

@@ -18,7 +18,7 @@
 
 #define FIX "relax"
 #define COMPUTE "contacts"
-/* Skin over the mean radius: see docs/performance.md for the measurement. */
+/* Skin over the mean radius: see docs/reports/performance.md for the measurement. */
 #define SKIN 0.2
 enum { GH_CONTACT_COLUMNS };
 enum { NO_IMAGE = (512 << 20) | (512 << 10) | 512 };
