@@ -10,6 +10,7 @@
 #include "granhom/io.h"
 #include "granhom/limits.h"
 #include "granhom/macro.h"
+#include "granhom/mesh.h"
 #include "granhom/micro.h"
 #include "granhom/packing.h"
 #include "granhom/peers.h"

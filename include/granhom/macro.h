@@ -1,47 +1,13 @@
-/* granhom: the macro problem: mesh, loads, Newton. SPDX-License-Identifier: GPL-2.0-or-later */
+/* granhom: the macro problem: loads, Newton. SPDX-License-Identifier: GPL-2.0-or-later */
 #ifndef GRANHOM_MACRO_H
 #define GRANHOM_MACRO_H
 
 #include "granhom/farm.h"
+#include "granhom/mesh.h"
 
 #ifdef __cplusplus
 extern "C" {
 #endif
-
-/* ---- mesh: bilinear quadrilaterals (Q1), four Gauss points each ---- */
-
-/* A named set on the boundary. Edges run with the body on their left, so that (dy, -dx) points outward. */
-typedef struct gh_mesh_set {
-  char *name;
-  int nnodes, nedges;
-  int *nodes;      /* ascending */
-  int (*edges)[2]; /* may be empty (a set of points, or of inner lines) */
-} gh_mesh_set;
-
-typedef struct gh_mesh {
-  int nnodes, nelements, nsets;
-  double *X;      /* nnodes x 2 */
-  int (*quad)[4]; /* nelements, counter-clockwise */
-  gh_mesh_set *sets;
-} gh_mesh;
-
-/* [low, low + size] with elements[0] x elements[1] equal quadrilaterals; sets left right bottom top. Nodes
- * row by row from below. */
-gh_status gh_mesh_rectangle(gh_context *ctx, const double low[2], const double size[2], const int elements[2],
-                            gh_mesh **mesh);
-/* Gmsh MSH 2.2 or 4.1 ASCII; 4-node quadrilaterals in the plane z = 0; physical groups of lines and points
- * become sets (their names, else their numbers). Clockwise quadrilaterals are turned. Errors, GH_INPUT with
- * file and line: other versions, binary, triangles or quadratic elements, inverted (non-convex)
- * quadrilaterals, no quadrilateral, nodes missing. Nodes used by no quadrilateral are left out. */
-gh_status gh_mesh_read_gmsh(gh_context *ctx, const char *path, gh_mesh **mesh);
-/* Jacobian > 0 at every Gauss point and every corner angle below 180 degrees, else GH_INPUT naming the
- * element. */
-gh_status gh_mesh_check(gh_context *ctx, const gh_mesh *mesh);
-/* Index of the set of that name; -1 when there is none. */
-int gh_mesh_find(const gh_mesh *mesh, const char *name);
-/* Reference coordinates (nelements * 4 x 2) of the Gauss points, point 4 e + g. */
-void gh_mesh_gauss(const gh_mesh *mesh, double *XG);
-void gh_mesh_destroy(gh_mesh **mesh);
 
 /* ---- loads: what acts at the end of an increment ---- */
 

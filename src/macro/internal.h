@@ -6,36 +6,12 @@
 
 #include "granhom/macro.h"
 
-/* ---- mesh.c ---- */
+/* ---- loads.c ---- */
 
-/* True when the quadrilateral with corners x (counter-clockwise) is convex with an area. */
-bool gh_quad_convex(const double x[4][2]);
-
-/* ---- element.c: Q1 with 2 x 2 Gauss points, total Lagrangian ---- */
-
-typedef struct gh_shapes {
-  double (*grad)[4][2]; /* npoints: dN_a/dX_J */
-  double *weight;       /* npoints: reference area of the point */
-} gh_shapes;
-
-/* Values of the four shape functions at Gauss point g. */
-void gh_shape_values(int g, double N[4]);
-/* Derivatives with respect to X and the area of Gauss point g of a quadrilateral with corners x. */
-void gh_shape_gradients(const double x[4][2], int g, double grad[4][2], double *area);
-gh_status gh_shapes_create(gh_context *ctx, const gh_mesh *mesh, gh_shapes *shapes);
-void gh_shapes_destroy(gh_shapes *shapes);
-/* F = 1 + grad u at the element's four points (4 x 4). */
-void gh_element_deformation(const gh_shapes *s, const gh_mesh *mesh, int e, const double *u, double *F);
-/* f[2 a + i] = int P_iJ N_a,J (2.10); P: 4 x 4. */
-void gh_element_force(const gh_shapes *s, int e, const double *P, double f[8]);
-/* K[2 a + i][2 b + k] = int N_a,J A_iJkL N_b,L; A: 4 x 16. */
-void gh_element_stiffness(const gh_shapes *s, int e, const double *A, double K[8][8]);
 /* Force on each of the two nodes of an edge from a to b, body on the left, under a pressure per length. */
 void gh_edge_force(const double a[2], const double b[2], double pressure, double f[2]);
 /* Derivative of minus the forces on (a, b) with respect to the positions of (a, b). Unsymmetric. */
 void gh_edge_stiffness(double pressure, double K[4][4]);
-
-/* ---- loads.c ---- */
 
 typedef struct gh_edge_load {
   int a, b;

@@ -141,15 +141,6 @@ gh_status scene_check_confined(gh_scene *scene);
  * known before the run are NAN. */
 gh_status scene_check_stretch(gh_scene *scene, const scene_step *step);
 
-/* boundary.c: sides of elements that no other element shares, body on the left. The caller frees. */
-typedef struct scene_edge {
-  int a, b;
-} scene_edge;
-gh_status scene_boundary_edges(gh_context *ctx, int nelements, const int (*quad)[4], scene_edge **edges,
-                               int *count);
-
-bool scene_share_edges(const gh_mesh_set *a, const gh_mesh_set *b);
-
 /* results.c */
 typedef struct scene_results scene_results;
 /* One complete increment, as the results see it. */
@@ -173,19 +164,6 @@ gh_status scene_results_write(scene_results *r, const scene_frame *frame);
 gh_status scene_results_close(scene_results *r, gh_status status, const char *outcome, const char *message,
                               const gh_run_summary *summary);
 int scene_results_unjammed(const scene_results *r, double *min_acoustic);
-
-/* measures.c: what is derived from stresses */
-double scene_mises(const double cauchy[4]);
-/* Which corner of element e the Gauss point at x belongs to. */
-int scene_gauss_corner(const gh_mesh *mesh, int e, const double x[2]);
-/* points: npoints x cols. nodes: nnodes x cols, extrapolated to the corners of the elements and averaged over
- * the elements. */
-gh_status scene_nodal_average(gh_context *ctx, const gh_mesh *mesh, int cols, const double *points,
-                              double *nodes);
-/* cauchy: npoints x 4. nodes: nnodes, from stresses extrapolated to the corners and averaged over the
- * elements. */
-gh_status scene_nodal_mises(gh_context *ctx, const gh_mesh *mesh, const double *cauchy, double *nodes);
-void scene_cell_average(int nelements, int cols, const double *points, double *cells);
 
 /* estimate.c: solves the increment for both paths, in halves and as a whole, and counts how they differ. */
 gh_status scene_solve_twice(const gh_scene *scene, gh_macro *macro, const gh_loads *loads,

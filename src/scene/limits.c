@@ -101,12 +101,12 @@ static bool rotation_is_free(const gh_scene *s) {
 /* Weight presses, too: what it does at a free edge shows in the solution. */
 gh_status scene_check_confined(gh_scene *s) {
   const gh_mesh *m = s->mesh;
-  scene_edge *edges;
+  gh_mesh_edge *edges;
   int count;
   gh_status status = GH_OK;
   if (s->start != SCENE_START_CONFINEMENT || s->gravity[0] != 0 || s->gravity[1] != 0 || rotation_is_free(s))
     return GH_OK;
-  GH_TRY(scene_boundary_edges(s->ctx, m->nelements, (const int(*)[4])m->quad, &edges, &count));
+  GH_TRY(gh_mesh_boundary_edges(s->ctx, m->nelements, (const int(*)[4])m->quad, &edges, &count));
   for (int k = 0; k < count && status == GH_OK; k++)
     if (scene_normal_is_free(s, edges[k].a, edges[k].b) && !edge_is_loaded(s, edges[k].a, edges[k].b))
       status = refuse_free(s, edges[k].a, edges[k].b);

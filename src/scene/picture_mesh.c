@@ -115,9 +115,9 @@ static void fill_element(scene_page *p, const mesh_data *d, size_t e, double fac
 
 /* The undeformed body. */
 static gh_status draw_body(scene_page *p, const mesh_data *d) {
-  scene_edge *edges;
+  gh_mesh_edge *edges;
   int count;
-  GH_TRY(scene_boundary_edges(p->ctx, (int)d->nelements, (const int(*)[4])d->quad, &edges, &count));
+  GH_TRY(gh_mesh_boundary_edges(p->ctx, (int)d->nelements, (const int(*)[4])d->quad, &edges, &count));
   for (int k = 0; k < count; k++) {
     int a = edges[k].a, b = edges[k].b;
     cairo_move_to(p->c, scene_px(p, d->X[3 * a]), scene_py(p, d->X[3 * a + 1]));

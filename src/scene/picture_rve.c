@@ -64,7 +64,7 @@ static gh_status most_loaded(gh_h5 *file, int points, int *best) {
     GH_TRY(scene_rve_recorded(file, k, &recorded));
     if (!recorded) continue;
     GH_TRY(gh_h5_get_doubles(file, name, 1, 4, s));
-    if (scene_mises(s) > most) most = scene_mises(s), *best = k;
+    if (gh_mises2(s) > most) most = gh_mises2(s), *best = k;
   }
   return GH_OK;
 }

@@ -57,9 +57,9 @@ bool scene_normal_is_free(const gh_scene *s, int a, int b) {
 
 bool scene_boundary_is_free(const gh_scene *s) {
   const gh_mesh *m = s->mesh;
-  scene_edge *edges;
+  gh_mesh_edge *edges;
   int count;
-  if (scene_boundary_edges(s->ctx, m->nelements, (const int(*)[4])m->quad, &edges, &count) != GH_OK)
+  if (gh_mesh_boundary_edges(s->ctx, m->nelements, (const int(*)[4])m->quad, &edges, &count) != GH_OK)
     return false;
   bool is_free = false;
   for (int k = 0; k < count && !is_free; k++) is_free = scene_normal_is_free(s, edges[k].a, edges[k].b);
@@ -200,12 +200,16 @@ static gh_status confine(gh_scene *s) {
     for (int e = 0; e < m->nedges && !wanted; e++)
       wanted = scene_normal_is_free(s, m->edges[e][0], m->edges[e][1]);
     if (!wanted) continue;
-    for (int other = 0; other < set; other++)
-      if (s->present.pressure[other].now != 0 && scene_share_edges(s->mesh->sets + other, m))
+    for (int other = 0; other < set; other++) {
+      bool share = false;
+      if (s->present.pressure[other].now != 0)
+        GH_TRY(gh_mesh_share_edges(s->ctx, s->mesh->sets + other, m, &share));
+      if (share)
         return gh_fail(
             s->ctx, GH_INPUT,
             "%s:%d: '%s' and '%s' share edges: say by the pressure of a step where the confinement acts",
             s->path, s->start_line, s->mesh->sets[other].name, m->name);
+    }
     confine_edge(s, set, false);
     count++;
   }

@@ -69,7 +69,9 @@ static gh_status read_pressures(gh_scene *s, node list, scene_step *step) {
       int other = step->pressures[j].set;
       if (other == p->set)
         return gh_yaml_fail(entry, "the pressure on '%s' is given twice in this step", sets[other].name);
-      if (scene_share_edges(sets + other, sets + p->set))
+      bool share;
+      GH_TRY(gh_mesh_share_edges(s->ctx, sets + other, sets + p->set, &share));
+      if (share)
         return gh_yaml_fail(entry, "'%s' and '%s' share edges: pressure would be given twice there",
                             sets[other].name, sets[p->set].name);
     }

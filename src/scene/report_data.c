@@ -136,7 +136,7 @@ static gh_status read_points(report *r) {
   const double *last = r->acoustic + (n - 1) * np;
   for (int p = 0; p < r->np; p++) {
     if (last[p] < last[r->least]) r->least = p;
-    if (scene_mises(r->cauchy + 4 * p) > scene_mises(r->cauchy + 4 * r->most)) r->most = p;
+    if (gh_mises2(r->cauchy + 4 * p) > gh_mises2(r->cauchy + 4 * r->most)) r->most = p;
   }
   return GH_OK;
 }
@@ -159,7 +159,7 @@ static gh_status choose_extremes(report *r) {
     if (!recorded) continue;
     if (first < 0) most = least = first = p;
     if (acoustic[p] < acoustic[least]) least = p;
-    if (scene_mises(r->cauchy + 4 * p) > scene_mises(r->cauchy + 4 * most)) most = p;
+    if (gh_mises2(r->cauchy + 4 * p) > gh_mises2(r->cauchy + 4 * most)) most = p;
   }
   bool none = first < 0;
   r->most_shown = none ? r->most : most;

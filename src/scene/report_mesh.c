@@ -46,7 +46,7 @@ static gh_status nodal_shear(report *r, int k, double **shear) {
                    0.5 * (f[1] * f[1] + f[3] * f[3] - 1)};
     memcpy(F + 3 * p, e, sizeof e); /* in place: three numbers for four */
   }
-  GH_TRY_OR(scene_nodal_average(r->ctx, &r->mesh, 3, F, E), done);
+  GH_TRY_OR(gh_mesh_nodal_average(r->ctx, &r->mesh, 3, F, E), done);
   for (size_t n = 0; n < nn; n++) (*shear)[n] = hypot(E[3 * n] - E[3 * n + 2], 2 * E[3 * n + 1]);
 done:
   free(F);
@@ -170,10 +170,10 @@ static void print_bar(const picture *p, double low, double high, bool lost) {
 /* ---- one picture ---- */
 
 static gh_status print_outline(const picture *p) {
-  scene_edge *edges;
+  gh_mesh_edge *edges;
   int count;
   const gh_mesh *m = &p->r->mesh;
-  GH_TRY(scene_boundary_edges(p->r->ctx, m->nelements, (const int(*)[4])m->quad, &edges, &count));
+  GH_TRY(gh_mesh_boundary_edges(p->r->ctx, m->nelements, (const int(*)[4])m->quad, &edges, &count));
   gh_text_print(p->r->out, "<path class=\"un\" d=\"");
   for (int k = 0; k < count; k++)
     gh_text_print(p->r->out, "M%.0f %.0fL%.0f %.0f", 10 * px(p, m->X[2 * edges[k].a]),
@@ -274,7 +274,7 @@ static void print_points(const picture *p, const frame *f, double high) {
   bool tell = r->np <= 1000;
   char text[8];
   for (int point = 0; point < r->np; point++) {
-    int e = point / 4, c = scene_gauss_corner(&r->mesh, e, r->gauss + 2 * point);
+    int e = point / 4, c = gh_mesh_gauss_corner(&r->mesh, e, r->gauss + 2 * point);
     double s = c == 1 || c == 2 ? 0.5 : 0, t = c >= 2 ? 0.5 : 0, v = f->acoustic[point];
     if (v > 0)
       gh_text_print(r->out, "<path fill=\"%s\" stroke=\"%s\"", shade(shade_of(v, 0, high), text), text);
@@ -291,7 +291,7 @@ static void print_bands(const picture *p, const frame *f) {
   const report *r = p->r;
   for (int point = 0; point < r->np; point++) {
     if (f->acoustic[point] > 0) continue;
-    int e = point / 4, c = scene_gauss_corner(&r->mesh, e, r->gauss + 2 * point), at[2], corner[2];
+    int e = point / 4, c = gh_mesh_gauss_corner(&r->mesh, e, r->gauss + 2 * point), at[2], corner[2];
     double s = c == 1 || c == 2 ? 0.75 : 0.25, t = c >= 2 ? 0.75 : 0.25;
     in_element(p, f, e, s, t, at);
     in_element(p, f, e, s < 0.5 ? 0 : 1, t < 0.5 ? 0 : 1, corner);

@@ -104,7 +104,7 @@ static void look_at_points(scene_results *r) {
     gh_cauchy2(P + 4 * p, F + 4 * p, cauchy);
     if (m && m->unjammed) r->unjammed++;
     if (acoustic < r->min_acoustic) r->min_acoustic = acoustic, r->least_stable = p;
-    if (scene_mises(cauchy) > most) most = scene_mises(cauchy), r->most_loaded = p;
+    if (gh_mises2(cauchy) > most) most = gh_mises2(cauchy), r->most_loaded = p;
   }
 }
 

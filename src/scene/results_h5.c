@@ -62,7 +62,7 @@ static gh_status put_cell_tensor(scene_results *r, gh_h5 *file, const scene_fram
   double *average;
   GH_TRY(gh_alloc(r->ctx, (4 + 9) * n, sizeof *average, &average));
   double *full = average + 4 * n;
-  scene_cell_average((int)n, 4, points, average);
+  gh_mesh_cell_average((int)n, 4, points, average);
   for (size_t e = 0; e < n; e++) {
     static const int at[4] = {0, 1, 3, 4};
     for (int k = 0; k < 4; k++) full[9 * e + (size_t)at[k]] = average[4 * e + (size_t)k];
@@ -85,12 +85,12 @@ static gh_status put_stress(scene_results *r, gh_h5 *file, const scene_frame *f)
   GH_TRY(put_cell_tensor(r, file, f, "cells/piola", P));
   GH_TRY(put_cell_tensor(r, file, f, "cells/cauchy", cauchy));
   GH_TRY(gh_alloc(r->ctx, np + nn, sizeof *mises, &mises));
-  gh_status status = scene_nodal_mises(r->ctx, m, cauchy, mises + np);
+  gh_status status = gh_mesh_nodal_mises(r->ctx, m, cauchy, mises + np);
   if (status == GH_OK) status = put(r, file, f, "von_mises", nn, 1, mises + np);
   for (size_t e = 0; e < np / 4; e++) { /* of the average stress */
     double s[4];
-    scene_cell_average(1, 4, cauchy + 16 * e, s);
-    mises[e] = scene_mises(s);
+    gh_mesh_cell_average(1, 4, cauchy + 16 * e, s);
+    mises[e] = gh_mises2(s);
   }
   if (status == GH_OK) status = put(r, file, f, "cells/von_mises", np / 4, 1, mises);
   free(mises);
@@ -110,7 +110,7 @@ static gh_status put_numbers(scene_results *r, gh_h5 *file, const scene_frame *f
     snprintf(name, sizeof name, "points/%s", scene_numbers[k].name);
     GH_TRY(put(r, file, f, name, (size_t)np, 1, r->scalar));
     if (!scene_numbers[k].mean) continue;
-    scene_cell_average(np / 4, 1, r->scalar, r->tensor);
+    gh_mesh_cell_average(np / 4, 1, r->scalar, r->tensor);
     snprintf(name, sizeof name, "cells/%s", scene_numbers[k].name);
     GH_TRY(put(r, file, f, name, (size_t)np / 4, 1, r->tensor));
   }

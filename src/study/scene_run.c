@@ -1,6 +1,6 @@
 /* A scene as a run of a study: nothing is written, the body is looked at after each increment.
  * SPDX-License-Identifier: GPL-2.0-or-later */
-#include "macro/internal.h"
+#include "granhom/macro.h"
 #include "scene/internal.h"
 #include "study/parts.h"
 

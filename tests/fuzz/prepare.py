@@ -149,7 +149,7 @@ class Work:
     def make_words(self):
         keys = set()
         for pattern in ("src/scene/read*.c", "src/scene/packings.c", "src/study/read.c", "src/study/problem.c", "driver/*_spec.c",
-                        "src/macro/gmsh.c", "src/io/lammps_data.c", "src/packing/sieve.c", "src/control/condition.c",
+                        "src/mesh/gmsh.c", "src/io/lammps_data.c", "src/packing/sieve.c", "src/control/condition.c",
                         "src/scene/recorded.c", "src/scene/report*.c", "src/study/record.c", "src/scene/finish.c"):
             for path in glob.glob(os.path.join(self.root, pattern)):
                 keys.update(re.findall(r'"([$#A-Za-z][A-Za-z0-9_ -]{0,30})"', read(path).decode()))

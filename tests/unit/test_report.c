@@ -90,7 +90,7 @@ static void nodal_average(void **state) {
     points[2 * p] = 1 + 2 * gauss[2 * p] - 3 * gauss[2 * p + 1];
     points[2 * p + 1] = gauss[2 * p + 1];
   }
-  OK(scene_nodal_average(ctx, mesh, 2, points, nodes));
+  OK(gh_mesh_nodal_average(ctx, mesh, 2, points, nodes));
   for (int n = 0; n < mesh->nnodes; n++) {
     NEAR("first", nodes[2 * n], 1 + 2 * mesh->X[2 * n] - 3 * mesh->X[2 * n + 1], 1e-12);
     NEAR("second", nodes[2 * n + 1], mesh->X[2 * n + 1], 1e-12);

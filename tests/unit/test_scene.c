@@ -233,9 +233,9 @@ static void explanation(void **state) {
 /* Von Mises stress in the plane: zero under equal pressure, sqrt(3)/2 |s| uniaxial, sqrt(3) |t| in shear. */
 static void mises(void **state) {
   (void)state;
-  assert_true(scene_mises((double[]){-2, 0, 0, -2}) == 0);
-  NEAR("mises", scene_mises((double[]){-2, 0, 0, 0}), sqrt(3), 1e-15);
-  NEAR("mises", scene_mises((double[]){1, 3, 3, 1}), 3 * sqrt(3), 1e-14);
+  assert_true(gh_mises2((double[]){-2, 0, 0, -2}) == 0);
+  NEAR("mises", gh_mises2((double[]){-2, 0, 0, 0}), sqrt(3), 1e-15);
+  NEAR("mises", gh_mises2((double[]){1, 3, 3, 1}), 3 * sqrt(3), 1e-14);
 }
 
 /* A stress that is linear in x and y is extrapolated to the nodes of a rectangle mesh exactly. */
@@ -249,7 +249,7 @@ static void nodal_mises(void **state) {
     double s[4] = {gauss[2 * p] - 2 * gauss[2 * p + 1], gauss[2 * p + 1], gauss[2 * p + 1], -gauss[2 * p]};
     memcpy(cauchy + 4 * p, s, sizeof s);
   }
-  OK(scene_nodal_mises(ctx, mesh, cauchy, nodes));
+  OK(gh_mesh_nodal_mises(ctx, mesh, cauchy, nodes));
   for (int n = 0; n < 12; n++) {
     double x = mesh->X[2 * n], y = mesh->X[2 * n + 1], d = 2 * x - 2 * y;
     NEAR("mises of a node", nodes[n], sqrt(0.75 * d * d + 3 * y * y), 1e-13);
@@ -261,11 +261,11 @@ static void nodal_mises(void **state) {
 static void boundary(void **state) {
   gh_context *ctx = *state;
   gh_mesh *mesh;
-  scene_edge *edges;
+  gh_mesh_edge *edges;
   int count;
   double area = 0;
   OK(gh_mesh_rectangle(ctx, (double[]){0, 0}, (double[]){3, 2}, (int[]){3, 2}, &mesh));
-  OK(scene_boundary_edges(ctx, mesh->nelements, (const int(*)[4])mesh->quad, &edges, &count));
+  OK(gh_mesh_boundary_edges(ctx, mesh->nelements, (const int(*)[4])mesh->quad, &edges, &count));
   assert_int_equal(count, 10);
   for (int k = 0; k < count; k++) {
     const double *a = mesh->X + 2 * edges[k].a, *b = mesh->X + 2 * edges[k].b;

@@ -1,37 +1,9 @@
 /* Physical groups of Gmsh meshes. SPDX-License-Identifier: GPL-2.0-or-later */
-#include "macro/gmsh.h"
+#include "mesh/gmsh.h"
 
 #include <limits.h>
 #include <stdlib.h>
 #include <string.h>
-
-typedef struct side { /* an edge of a quadrilateral, counter-clockwise, with its nodes also in order */
-  int low, high, a, b;
-} side;
-
-static int by_side(const void *p, const void *q) {
-  const side *a = p, *b = q;
-  if (a->low != b->low) return a->low < b->low ? -1 : 1;
-  return (a->high > b->high) - (a->high < b->high);
-}
-
-/* The edges that belong to one quadrilateral only, sorted. */
-static gh_status find_boundary(gh_context *ctx, const gh_mesh *mesh, side **sides, int *n) {
-  int all = 0, kept = 0;
-  GH_TRY(gh_alloc(ctx, 4 * (size_t)mesh->nelements, sizeof **sides, sides));
-  for (int e = 0; e < mesh->nelements; e++)
-    for (int k = 0; k < 4; k++) {
-      int a = mesh->quad[e][k], b = mesh->quad[e][(k + 1) % 4];
-      (*sides)[all++] = (side){a < b ? a : b, a < b ? b : a, a, b};
-    }
-  if (all > 0) qsort(*sides, (size_t)all, sizeof **sides, by_side);
-  for (int k = 0, next; k < all; k = next) {
-    for (next = k + 1; next < all && by_side(*sides + k, *sides + next) == 0;) next++;
-    if (next == k + 1) (*sides)[kept++] = (*sides)[k];
-  }
-  *n = kept;
-  return GH_OK;
-}
 
 static int by_value(const void *p, const void *q) {
   return *(const int *)p - *(const int *)q;
@@ -72,7 +44,7 @@ static gh_status list_members(const gh_msh *g, member **members, int *n) {
 }
 
 /* Nodes and edges of one physical group. Nodes that no quadrilateral uses are not in the mesh. */
-static gh_status fill_set(gh_msh *g, const member *members, int n, const side *sides, int nsides,
+static gh_status fill_set(gh_msh *g, const member *members, int n, const gh_mesh_edge *outer, int nouter,
                           gh_mesh_set *set) {
   GH_TRY(gh_alloc(g->s.ctx, 2 * (size_t)n, sizeof *set->nodes, &set->nodes));
   GH_TRY(gh_alloc(g->s.ctx, (size_t)n, sizeof *set->edges, &set->edges));
@@ -85,8 +57,7 @@ static gh_status fill_set(gh_msh *g, const member *members, int n, const side *s
       if (node[a] >= 0) set->nodes[set->nnodes++] = node[a];
     }
     if (node[0] < 0 || node[1] < 0) continue;
-    side key = {node[0] < node[1] ? node[0] : node[1], node[0] < node[1] ? node[1] : node[0], 0, 0};
-    const side *found = bsearch(&key, sides, (size_t)nsides, sizeof *sides, by_side);
+    const gh_mesh_edge *found = gh_mesh_find_edge(outer, nouter, node[0], node[1]);
     if (!found) continue;
     set->edges[set->nedges][0] = found->a;
     set->edges[set->nedges++][1] = found->b;
@@ -110,10 +81,10 @@ static gh_status name_set(gh_msh *g, int dim, long tag, gh_mesh_set *set) {
 }
 
 /* The set of the n members of one group, unless the mesh has none of its nodes. */
-static gh_status add_set(gh_msh *g, const member *members, int n, const side *sides, int nsides,
+static gh_status add_set(gh_msh *g, const member *members, int n, const gh_mesh_edge *outer, int nouter,
                          gh_mesh *mesh) {
   gh_mesh_set set = {0};
-  gh_status status = fill_set(g, members, n, sides, nsides, &set);
+  gh_status status = fill_set(g, members, n, outer, nouter, &set);
   if (status == GH_OK && set.nnodes > 0) status = name_set(g, members->dim, members->tag, &set);
   if (status != GH_OK || set.nnodes == 0) {
     free(set.nodes);
@@ -146,11 +117,12 @@ static gh_status check_names(const gh_msh *g, const gh_mesh *mesh) {
 }
 
 gh_status gh_msh_sets(gh_msh *g, gh_mesh *mesh) {
-  side *sides = NULL;
+  gh_mesh_edge *outer = NULL;
   member *members = NULL;
-  int nsides, n, groups = 0;
+  int nouter, n, groups = 0;
   gh_status status;
-  GH_TRY_OR(find_boundary(g->s.ctx, mesh, &sides, &nsides), done);
+  GH_TRY_OR(gh_mesh_boundary_edges(g->s.ctx, mesh->nelements, (const int(*)[4])mesh->quad, &outer, &nouter),
+            done);
   GH_TRY_OR(list_members(g, &members, &n), done);
   for (int k = 0; k < n; k++)
     groups += k == 0 || members[k].dim != members[k - 1].dim || members[k].tag != members[k - 1].tag;
@@ -159,11 +131,11 @@ gh_status gh_msh_sets(gh_msh *g, gh_mesh *mesh) {
     for (next = k + 1;
          next < n && members[next].dim == members[k].dim && members[next].tag == members[k].tag;)
       next++;
-    GH_TRY_OR(add_set(g, members + k, next - k, sides, nsides, mesh), done);
+    GH_TRY_OR(add_set(g, members + k, next - k, outer, nouter, mesh), done);
   }
   status = check_names(g, mesh);
 done:
-  free(sides);
+  free(outer);
   free(members);
   return status;
 }

@@ -1,6 +1,6 @@
 /* Sections of Gmsh meshes, MSH 2.2 and 4.1 ASCII (format: the Gmsh reference manual).
  * SPDX-License-Identifier: GPL-2.0-or-later */
-#include "macro/gmsh.h"
+#include "mesh/gmsh.h"
 
 #include <limits.h>
 #include <stdlib.h>

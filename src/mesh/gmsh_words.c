@@ -1,5 +1,5 @@
 /* Words of Gmsh meshes. SPDX-License-Identifier: GPL-2.0-or-later */
-#include "macro/gmsh.h"
+#include "mesh/gmsh.h"
 
 #include <limits.h>
 #include <string.h>

@@ -1,5 +1,5 @@
 /* Gmsh meshes: from what the file holds to the mesh. SPDX-License-Identifier: GPL-2.0-or-later */
-#include "macro/gmsh.h"
+#include "mesh/gmsh.h"
 
 #include <stdlib.h>
 #include <string.h>

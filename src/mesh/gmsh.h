@@ -1,9 +1,9 @@
 /* What the files of the Gmsh reader share. SPDX-License-Identifier: GPL-2.0-or-later */
-#ifndef GRANHOM_MACRO_GMSH_H
-#define GRANHOM_MACRO_GMSH_H
+#ifndef GRANHOM_MESH_GMSH_H
+#define GRANHOM_MESH_GMSH_H
 
 #include "io/file.h"
-#include "macro/internal.h"
+#include "granhom/mesh.h"
 
 /* ---- gmsh_words.c: words of the file ---- */
 

@@ -1,6 +1,6 @@
-/* The element: Q1, 2 x 2 Gauss points, total Lagrangian, and pressure on its edges.
- * SPDX-License-Identifier: GPL-2.0-or-later */
-#include "macro/internal.h"
+/* The reference element: Q1, 2 x 2 Gauss points, total Lagrangian. SPDX-License-Identifier: GPL-2.0-or-later
+ */
+#include "granhom/mesh.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -82,19 +82,5 @@ void gh_element_stiffness(const gh_shapes *s, int e, const double *A, double K[8
           double p1 = w * (a1[0] * grad[b][0] + a1[1] * grad[b][1]);
           for (int a = 0; a < 4; a++) K[2 * a + i][2 * b + k] += grad[a][0] * p0 + grad[a][1] * p1;
         }
-  }
-}
-
-void gh_edge_force(const double a[2], const double b[2], double pressure, double f[2]) {
-  f[0] = -0.5 * pressure * (b[1] - a[1]);
-  f[1] = 0.5 * pressure * (b[0] - a[0]);
-}
-
-void gh_edge_stiffness(double pressure, double K[4][4]) {
-  double h = 0.5 * pressure;
-  for (int row = 0; row < 4; row += 2) { /* both nodes carry the same force */
-    double x[4] = {0, -h, 0, h}, y[4] = {h, 0, -h, 0};
-    memcpy(K[row], x, sizeof x);
-    memcpy(K[row + 1], y, sizeof y);
   }
 }

@@ -1,6 +1,6 @@
 /* Meshes of bilinear quadrilaterals: rectangle, check, sets, Gauss points. SPDX-License-Identifier:
  * GPL-2.0-or-later */
-#include "macro/internal.h"
+#include "granhom/mesh.h"
 
 #include <limits.h>
 #include <stdlib.h>
