@@ -15,7 +15,7 @@ BUILD  ?= build
 PREFIX ?= /usr/local
 ARCH   ?= -march=native
 OPT    ?= -O3
-MODULES ?= base io mesh contact packing engine engine/native engine/lammps engine/peers engine/liggghts micro farm control macro scene study
+MODULES ?= base io mesh contact packing engine engine/native engine/lammps micro farm control macro scene crosscheck study
 
 # MPI=0: granhom's own code knows no ranks; LAMMPS keeps the MPI that it was built with. HDF5=0: results as text alone.
 MPI    ?= 1

@@ -2,7 +2,9 @@
  * GPL-2.0-or-later */
 #include "cli.h"
 #include "contact_options.h"
-#include "crosscheck.h"
+#include "path.h"
+
+#include "granhom/crosscheck.h"
 
 #include <signal.h>
 #include <stdlib.h>
@@ -40,31 +42,42 @@ static const char help[] =
     "program\n"
     "failed or was stopped (what there is is written), 2 wrong input.\n";
 
+typedef struct cross_job {
+  gh_context *ctx;
+  const char *packing_file, *path_file, *folder;
+  gh_lock *lock; /* of the folder */
+  gh_packing *packing;
+  path_rows path;
+  double *F;
+  long *step;
+  gh_crosscheck_options o;
+  gh_crosscheck *c;
+} cross_job;
+
 /* ---- options ---- */
 
 static int find_engine(const char *text, size_t length) {
-  for (int k = 0; k < CROSS_ENGINES; k++)
-    if (strlen(cross_engines[k].word) == length && strncmp(cross_engines[k].word, text, length) == 0)
-      return k;
+  for (int k = 0; k < GH_CROSS_ENGINES; k++)
+    if (strlen(gh_cross_word(k)) == length && strncmp(gh_cross_word(k), text, length) == 0) return k;
   return -1;
 }
 
 static int parse_engines(const char *text, cross_job *j) {
-  j->engines = 0;
+  j->o.engines = 0;
   for (const char *at = text;; at++) {
     size_t length = strcspn(at, ",");
     int k = find_engine(at, length);
     if (k < 0)
       return cli_usage(&cli_crosscheck, "--engines are lammps, native, gran and liggghts, not \"%.*s\"",
                        (int)length, at);
-    for (int e = 0; e < j->engines; e++)
-      if (j->engine[e] == k)
-        return cli_usage(&cli_crosscheck, "--engines names %s twice", cross_engines[k].word);
-    j->engine[j->engines++] = k;
+    for (int e = 0; e < j->o.engines; e++)
+      if (j->o.engine[e] == k)
+        return cli_usage(&cli_crosscheck, "--engines names %s twice", gh_cross_word(k));
+    j->o.engine[j->o.engines++] = k;
     at += length;
     if (!*at) break;
   }
-  if (j->engines > 1) return 0;
+  if (j->o.engines > 1) return 0;
   return cli_usage(&cli_crosscheck, "--engines must name two or more: there is nothing to compare");
 }
 
@@ -80,25 +93,25 @@ static int parse_option(int c, void *data) {
     j->folder = optarg;
     return 0;
   case 'l':
-    j->liggghts = optarg;
+    j->o.liggghts = optarg;
     return 0;
   case 'e':
     return parse_engines(optarg, j);
   case 'T':
-    return cli_positive(&cli_crosscheck, "--tolerance", optarg, 1, &j->rve.tolerance);
+    return cli_positive(&cli_crosscheck, "--tolerance", optarg, 1, &j->o.rve.tolerance);
   case 't':
-    return cli_positive(&cli_crosscheck, "--time-limit", optarg, INFINITY, &j->seconds);
+    return cli_positive(&cli_crosscheck, "--time-limit", optarg, INFINITY, &j->o.seconds);
   case 'n':
-    return cli_integer(&cli_crosscheck, "--max-steps", optarg, 1, 1000000000, &j->rve.max_steps);
+    return cli_integer(&cli_crosscheck, "--max-steps", optarg, 1, 1000000000, &j->o.rve.max_steps);
   case 'w':
-    return cli_relaxation(&cli_crosscheck, optarg, &j->rve.relaxation);
+    return cli_relaxation(&cli_crosscheck, optarg, &j->o.rve.relaxation);
   case 'i':
     status = cli_integer(&cli_crosscheck, "--increment-steps", optarg, 1, 1000000, &value);
-    j->steps_per_row = (int)value;
+    j->o.steps_per_row = (int)value;
     return status;
   case 'r':
-    status = cli_integer(&cli_crosscheck, "--refine", optarg, 1, CROSS_MOST_LEVELS, &value);
-    j->levels = (int)value;
+    status = cli_integer(&cli_crosscheck, "--refine", optarg, 1, GH_CROSS_LEVELS, &value);
+    j->o.levels = (int)value;
     return status;
   default: /* b */
     if (strcmp(optarg, "periodic") == 0) return 0;
@@ -129,91 +142,80 @@ static int parse(int argc, char **argv, cross_job *j) {
   if (status) return status;
   if (!j->path_file) return cli_usage(&cli_crosscheck, "--path is missing");
   if (!j->folder) return cli_usage(&cli_crosscheck, "-o is missing: a folder for the results");
-  j->rve.allow_overlap = contact_allowed(&contact);
-  status = contact_law(&cli_crosscheck, &contact, &j->rve.law);
-  if (status == 0 && j->rve.law.hardening > 0)
+  j->o.rve.allow_overlap = contact_allowed(&contact);
+  status = contact_law(&cli_crosscheck, &contact, &j->o.rve.law);
+  if (status == 0 && j->o.rve.law.hardening > 0)
     return cli_usage(&cli_crosscheck, "--hardening must be 0: the other programs have none");
   return status;
 }
 
 /* ---- the work ---- */
 
-static gh_status cut_path(cross_job *j) {
-  for (int k = 0; k < j->levels; k++) {
-    j->level[k].parts = 1 << k;
-    GH_TRY(cross_path_cut(j->ctx, &j->path, j->level[k].parts, &j->level[k].path));
+static gh_status path_set(cross_job *j) {
+  const size_t rows = (size_t)j->path.csv->nrows;
+  GH_TRY(gh_alloc(j->ctx, rows, 4 * sizeof *j->F, &j->F));
+  GH_TRY(gh_alloc(j->ctx, rows, sizeof *j->step, &j->step));
+  for (int row = 0; row < j->path.csv->nrows; row++) {
+    path_F(&j->path, row, j->F + 4 * row);
+    j->step[row] = path_step(&j->path, row);
   }
+  j->o.packing = j->packing;
+  j->o.rows = j->path.csv->nrows;
+  j->o.F = j->F;
+  j->o.step = j->step;
   return GH_OK;
 }
 
-/* What is there is written after each run: those to come may take long. */
-static gh_status run_levels(cross_job *j) {
-  gh_work work;
-  int done = 0;
-  gh_work_begin(j->ctx, &work, "crosscheck", "runs", j->levels * j->engines);
-  for (int k = 0; k < j->levels; k++)
-    for (int e = 0; e < j->engines; e++) {
-      GH_TRY(cross_run(j, j->level + k, e));
-      GH_TRY(cross_write(j));
-      gh_work_advance(j->ctx, &work, ++done);
-    }
-  gh_work_end(j->ctx, &work, done);
-  return GH_OK;
-}
-
-/* A program that failed or was stopped makes the whole fail, after all is written. */
-static gh_status judge(const cross_job *j) {
-  for (int k = 0; k < j->levels; k++)
-    for (int e = 0; e < j->engines; e++) {
-      const cross_trace *t = j->level[k].trace + e;
-      if (t->result.end == GH_PEER_FAILED || t->result.end == GH_PEER_STOPPED)
-        return gh_fail(j->ctx, GH_DIVERGED, "%s: %s: %s", cross_engines[t->engine].title,
-                       gh_peer_end_text(t->result.end), t->result.message);
-    }
-  return GH_OK;
+static gh_status table_print(const cross_job *j) {
+  gh_text *text;
+  GH_TRY(gh_text_create(j->ctx, &text));
+  gh_crosscheck_print(j->c, text);
+  gh_status status = cli_print(j->ctx, text);
+  gh_text_destroy(&text);
+  return status;
 }
 
 static gh_status crosscheck(cross_job *j) {
   GH_TRY(gh_packing_read(j->ctx, j->packing_file, &j->packing));
   GH_TRY(path_read(j->ctx, j->path_file, &j->path));
-  GH_TRY(path_check(j->ctx, j->path_file, &j->path, &j->rve, j->packing));
+  GH_TRY(path_check(j->ctx, j->path_file, &j->path, &j->o.rve, j->packing));
   GH_TRY(cli_mpi(j->ctx, true));
-  GH_TRY(cut_path(j));
-  GH_TRY(cross_check(j));
+  GH_TRY(path_set(j));
+  GH_TRY(gh_crosscheck_create(j->ctx, &j->o, &j->c));
   GH_TRY(gh_output_folder_check(j->ctx, j->folder));
   GH_TRY(gh_lock_create(j->ctx, j->folder, &j->lock));
-  GH_TRY(run_levels(j));
-  cross_print(j);
-  if (cross_draw(j) != GH_OK) gh_log(j->ctx, GH_LEVEL_WARNING, "no picture: %s", gh_message(j->ctx));
-  return judge(j);
+  GH_TRY(gh_crosscheck_run(j->c, j->folder));
+  GH_TRY(table_print(j));
+  if (gh_crosscheck_draw(j->c, j->folder) != GH_OK)
+    gh_log(j->ctx, GH_LEVEL_WARNING, "no picture: %s", gh_message(j->ctx));
+  return gh_crosscheck_verdict(j->c);
 }
 
-static void free_job(cross_job *j) {
-  for (int k = 0; k < j->levels; k++) {
-    cross_path_free(&j->level[k].path);
-    for (int e = 0; e < j->engines; e++) free(j->level[k].trace[e].rows);
-  }
+static void job_free(cross_job *j) {
+  gh_crosscheck_destroy(&j->c);
+  free(j->F);
+  free(j->step);
   gh_csv_destroy(&j->path.csv);
   gh_packing_destroy(&j->packing);
   gh_lock_destroy(&j->lock);
 }
 
 static int run(int argc, char **argv) {
-  cross_job j = {.rve = gh_rve_defaults(),
-                 .steps_per_row = 50,
-                 .seconds = 600,
-                 .engines = CROSS_ENGINES,
-                 .engine = {0, 1, 2, 3},
-                 .levels = 1};
-  j.rve.boundary = GH_PERIODIC;
-  if (j.rve.max_steps == 0) j.rve.max_steps = 400000;
+  cross_job j = {.o = {.rve = gh_rve_defaults(),
+                       .steps_per_row = 50,
+                       .seconds = 600,
+                       .engines = GH_CROSS_ENGINES,
+                       .engine = {0, 1, 2, 3},
+                       .levels = 1}};
+  j.o.rve.boundary = GH_PERIODIC;
+  if (j.o.rve.max_steps == 0) j.o.rve.max_steps = 400000;
   int usage = parse(argc, argv, &j);
   if (usage) return usage;
   signal(SIGPIPE, SIG_IGN); /* gnuplot may end early: its status tells */
   j.ctx = cli_open();
   if (!j.ctx) return 1;
   gh_status status = crosscheck(&j);
-  free_job(&j);
+  job_free(&j);
   return cli_close(j.ctx, status);
 }
 

@@ -2,7 +2,7 @@
  */
 #include "cli.h"
 
-#include "engine/lammps/guard.h"
+#include "granhom/lammps.h"
 
 #include <string.h>
 #include <sys/stat.h>

@@ -4,7 +4,7 @@
 
 #include "study/internal.h"
 
-#include "granhom/peers.h"
+#include "granhom/crosscheck.h"
 
 #include <stdint.h>
 

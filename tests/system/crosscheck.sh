@@ -51,7 +51,7 @@ check "a line for each number of parts" test "$(column mu/refine.csv parts | tr 
 check "the first line is the path as given" test "$(printf '%.1e' "$(column mu/refine.csv gran_difference | sed -n 1p)")" = "$(printf '%.1e' "$difference")"
 check "both change by less with smaller increments" awk -F, 'NR == 1 { for (c = 1; c <= NF; c++) at[$c] = c; next }
   NR == 3 { n = $at["native_change"]; g = $at["gran_change"] } NR == 4 { exit !($at["native_change"] < 0.7 * n && $at["gran_change"] < 0.7 * g && $at["gran_change"] > 0) }' mu/refine.csv
-check "the orders are told" grep -q '^Change of each from half as many parts' table
+check "the orders are told" grep -q '^Change of each from half as many substeps' table
 
 # --- shear and rotation: LIGGGHTS cannot, and that is no agreement ---
 cross --path shear.csv -o shear --liggghts /bin/true >table 2>said

@@ -2,7 +2,7 @@
  * program that is missing, fails or hangs. SPDX-License-Identifier: GPL-2.0-or-later */
 #include "../help.h"
 
-#include "granhom/peers.h"
+#include "granhom/crosscheck.h"
 
 #include <dirent.h>
 #include <sys/stat.h>

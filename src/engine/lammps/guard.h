@@ -1,40 +1,14 @@
-/* LAMMPS's library interface with its errors caught. SPDX-License-Identifier: GPL-2.0-or-later
- *
- * Every function returns GH_ENGINE with LAMMPS's own message where LAMMPS would have ended the process, and
- * checks names and pointers that LAMMPS does not check. After an error the instance can be closed, and used
- * again from a `run` with setup on. The executable must be linked with -rdynamic: guard.cpp replaces
- * functions of the packaged liblammps.so, which has no exceptions of its own. */
+/* What granhom/lammps.h has, and granhom's own styles as the engine drives them.
+ * SPDX-License-Identifier: GPL-2.0-or-later */
 #ifndef GRANHOM_LAMMPS_GUARD_H
 #define GRANHOM_LAMMPS_GUARD_H
 
-#include "granhom/base.h"
 #include "granhom/engine.h"
+#include "granhom/lammps.h"
 
 #ifdef __cplusplus
 extern "C" {
 #endif
-
-/* A silent instance on this process alone (MPI_COMM_SELF; MPI is initialised if nobody did), with granhom's
- * styles. GH_ENGINE: version below 29 Sep 2021, or the executable's symbols are not visible. */
-gh_status gh_lmp_open(gh_context *ctx, void **lmp);
-/* Of an open instance, as a date: 20210929. */
-int gh_lmp_version(gh_context *ctx, void *lmp);
-/* Closes; takes NULL. Errors of LAMMPS are dropped. */
-void gh_lmp_close(void **lmp);
-/* One input command. */
-gh_status gh_lmp_command(gh_context *ctx, void *lmp, const char *format, ...) GH_PRINTF(3, 4);
-/* n atoms with ids 1..n of these types at x (n x 3); GH_ENGINE when LAMMPS takes not all of them. */
-gh_status gh_lmp_create_atoms(gh_context *ctx, void *lmp, int n, const int *id, const int *type,
-                              const double *x);
-/* Integer setting ("nlocal"). */
-gh_status gh_lmp_setting(gh_context *ctx, void *lmp, const char *name, int *value);
-/* Array of a per-atom property ("x", "id", "image", ...); valid until the next run. p is a pointer to the
- * array's pointer. */
-gh_status gh_lmp_atom(gh_context *ctx, void *lmp, const char *name, void *p);
-/* Local array of a compute: rows x columns; *rows may be NULL when there is none. */
-gh_status gh_lmp_local(gh_context *ctx, void *lmp, const char *id, int *count, double ***rows);
-/* Component of a fix's global vector. */
-gh_status gh_lmp_fix_vector(gh_context *ctx, void *lmp, const char *id, int component, double *value);
 
 /* ---- driving a fix granhom/relax with `inner yes` ---- */
 
@@ -72,15 +46,6 @@ gh_status gh_lmp_get_rotations(gh_context *ctx, void *lmp, double *theta);
 gh_status gh_lmp_builds(gh_context *ctx, void *lmp, const char *id, long *builds);
 /* Pairs on the neighbour list within reach and skin, each once. After the first run. */
 gh_status gh_lmp_pairs(gh_context *ctx, void *lmp, const char *id, long *pairs);
-
-/* ---- a LAMMPS program of its own ---- */
-
-/* What LAMMPS's own main does with these arguments (argv[0] is the program) on MPI_COMM_WORLD (MPI is
- * initialised if nobody did). programs: the script may run other programs (the command shell and the like,
- * which are errors otherwise). *exit_status: that of a `quit` command, else 0. GH_ENGINE: an error; on all
- * ranks unless *alone is set: then the other ranks do not know, and the caller must end them (MPI_Abort). */
-gh_status gh_lmp_program(gh_context *ctx, int argc, char **argv, bool programs, int *exit_status,
-                         bool *alone);
 
 #ifdef __cplusplus
 }

@@ -1,8 +1,8 @@
 /* What the peers share. SPDX-License-Identifier: GPL-2.0-or-later */
-#ifndef GRANHOM_ENGINE_PEERS_H
-#define GRANHOM_ENGINE_PEERS_H
+#ifndef GRANHOM_CROSSCHECK_PEERS_H
+#define GRANHOM_CROSSCHECK_PEERS_H
 
-#include "granhom/peers.h"
+#include "granhom/crosscheck.h"
 
 /* Cell of a row in the peers' frame, which has the first lattice vector along x: F_row cell = q t, q a
  * rotation. row -1: before the path. */
@@ -21,7 +21,7 @@ typedef struct peer_motion {
   double floor;   /* added to the mean force in the residual: grains without contacts come to rest too */
   double kn, kt, mu;  /* kt > 0 also without friction, where mu = 0 */
   bool rotate;        /* moments turn grains */
-  long steps_a_check; /* between two looks at the residual */
+  long steps_a_check; /* between two checks of the residual */
 } peer_motion;
 peer_motion peer_motion_of(const gh_peer_problem *p);
 

@@ -1,6 +1,6 @@
 /* A program as a child process with a time limit. SPDX-License-Identifier: GPL-2.0-or-later */
 #define _GNU_SOURCE 1 /* environ */
-#include "engine/liggghts/child.h"
+#include "crosscheck/child.h"
 
 #include <errno.h>
 #include <fcntl.h>

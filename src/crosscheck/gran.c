@@ -5,8 +5,9 @@
  * displacement from them, and grains that are moved with the box (`remap x`) would leave their springs
  * behind. So the grains get the velocity field of the deforming cell, the cell follows with `remap v`, and
  * after the last step the field is taken off again. */
-#include "engine/lammps/guard.h"
-#include "engine/peers/peers.h"
+#include "crosscheck/peers.h"
+
+#include "granhom/lammps.h"
 
 #include <stdlib.h>
 #include <string.h>

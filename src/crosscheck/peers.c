@@ -1,6 +1,6 @@
 /* The peers' common half: which problems they take, frames, sums over contacts. SPDX-License-Identifier:
  * GPL-2.0-or-later */
-#include "engine/peers/peers.h"
+#include "crosscheck/peers.h"
 
 #include "granhom/engine.h"
 

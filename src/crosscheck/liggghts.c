@@ -2,10 +2,10 @@
  * file with the contacts in equilibrium. SPDX-License-Identifier: GPL-2.0-or-later
  *
  * The script relaxes each row until the residual is met, with `jump`. The motion from row to row goes through
- * velocities for the reason told in src/engine/peers/lammps_gran.c. LIGGGHTS 3.8 makes no images of grains in
+ * velocities for the reason stated in gran.c. LIGGGHTS 3.8 makes no images of grains in
  * tilted cells (its list of ghosts is empty), so a path with shear is refused. */
-#include "engine/liggghts/child.h"
-#include "engine/peers/peers.h"
+#include "crosscheck/child.h"
+#include "crosscheck/peers.h"
 
 #include "granhom/io.h"
 

@@ -1,6 +1,6 @@
 /* A program as a child process with a time limit. SPDX-License-Identifier: GPL-2.0-or-later */
-#ifndef GRANHOM_LIGGGHTS_CHILD_H
-#define GRANHOM_LIGGGHTS_CHILD_H
+#ifndef GRANHOM_CROSSCHECK_CHILD_H
+#define GRANHOM_CROSSCHECK_CHILD_H
 
 #include "granhom/base.h"
 
