@@ -8,6 +8,7 @@
 #   make faults   every allocation and every call on files fails once: run, rve, element, pack, report ... (SAMPLE=N: N points a row)
 #   make extreme  the cases of docs/reports/stability.md, the long ones too, and its table
 #   make study    tables and pictures of docs/reports/error-vs-time.md (hours); make study QUICK=1 (minutes)
+#   make docs     keys, columns and commands in docs/reference, from the program
 #   make format   clang-format over all sources
 #   make MPI=0 HDF5=0   without ranks, without HDF5 files (docs/user-guide.md); the same words again with make check, install ...
 #   make install   PREFIX=/usr/local DESTDIR=   program, library, headers, granhom.pc, manual page;   make uninstall
@@ -142,6 +143,10 @@ valgrind:
 	@BUILD=$(BUILD)-valgrind tests/valgrind.sh
 format:
 	@clang-format -i $$(git ls-files '*.c' '*.h' '*.cpp')
+# The tables of docs/reference from the program's own.
+.PHONY: docs
+docs: all
+	@scripts/docs.sh $(BUILD)/granhom
 # The tables and pictures of docs/reports/verification.md: a quarter of an hour on two cores.
 .PHONY: verification
 verification:

@@ -3,6 +3,7 @@
 #include "cli.h"
 #include "contact_options.h"
 #include "element_spec.h"
+#include "reference.h"
 #include "rve_doubts.h"
 #include "rve_state.h"
 
@@ -145,11 +146,14 @@ static int parse(int argc, char **argv, arguments *a) {
 /* ---- results ---- */
 
 static void write_header(job *j) {
-  gh_text_print(
-      j->out,
-      "step,F11,F12,F21,F22,P11,P12,P21,P22,s11,s12,s21,s22,energy,contacts,rattlers,residual,seconds%s"
-      ",load_step,volume,pressure,iterations,parts,cuts,jumps,mismatch\n",
-      j->args->rve.law.friction ? ",energy_t,dissipation,sliding" : "");
+  gh_terms_header(j->out, columns_point, ",");
+  gh_text_print(j->out, ",");
+  if (j->args->rve.law.friction) {
+    gh_terms_header(j->out, columns_friction, ",");
+    gh_text_print(j->out, ",");
+  }
+  gh_terms_header(j->out, columns_control, ",");
+  gh_text_print(j->out, "\n");
 }
 
 static gh_status write_row(job *j, int load_step, const gh_control_report *r, double seconds) {

@@ -2,6 +2,7 @@
 #include "cli.h"
 #include "contact_options.h"
 #include "path.h"
+#include "reference.h"
 #include "rve_doubts.h"
 #include "rve_error.h"
 #include "rve_state.h"
@@ -128,10 +129,12 @@ static int parse(int argc, char **argv, arguments *a) {
 /* ---- results ---- */
 
 static void write_headers(job *j) {
-  gh_text_print(
-      j->out,
-      "step,F11,F12,F21,F22,P11,P12,P21,P22,s11,s12,s21,s22,energy,contacts,rattlers,residual,seconds%s\n",
-      j->args->rve.law.friction ? ",energy_t,dissipation,sliding" : "");
+  gh_terms_header(j->out, columns_point, ",");
+  if (j->args->rve.law.friction) {
+    gh_text_print(j->out, ",");
+    gh_terms_header(j->out, columns_friction, ",");
+  }
+  gh_text_print(j->out, "\n");
   if (!j->tangent) return;
   gh_text_print(j->tangent, "step");
   for (int n = 0; n < 16; n++)

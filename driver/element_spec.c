@@ -1,5 +1,6 @@
 /* What `granhom element` shall do. SPDX-License-Identifier: GPL-2.0-or-later */
 #include "element_spec.h"
+#include "reference.h"
 
 #include "granhom/io.h"
 
@@ -35,6 +36,26 @@ static gh_status check(gh_context *ctx, const element_step *step) {
 
 /* ---- YAML ---- */
 
+const gh_term element_keys[] = {
+    {"title", "one line of text"}, {"steps", "required. List of steps and repetitions"}, {0}};
+
+const gh_term element_step_keys[] = {
+    {"name", "for messages; default `step N`"},
+    {"increments", "required. Number of increments"},
+    {"control", "required. Map of three or four conditions; with three, `F21: hold` is the fourth"},
+    {"until", "map of one condition and a level: the step ends after the increment that passes it"},
+    {0}};
+
+const gh_term element_way_keys[] = {
+    {"to", "linear to this value; a number alone means the same"},
+    {"by", "by this difference from the value at the start of the step; the word `hold` "
+           "means 0"},
+    {"times", "to this multiple of the value at the start of the step"},
+    {0}};
+
+const gh_term element_repeat_keys[] = {
+    {"repeat", "required. How often"}, {"steps", "required. List of steps"}, {0}};
+
 typedef gh_yaml_node node;
 
 static gh_status number(node n, const char *what, double *value) {
@@ -43,17 +64,17 @@ static gh_status number(node n, const char *what, double *value) {
 
 /* A number, `hold`, {to: x}, {by: x} or {times: x}. */
 static gh_status read_way(node n, const char *key, element_step *step, int k) {
-  static const char *const words[] = {"to", "by", "times", NULL};
+  const gh_term *words = element_way_keys;
   const char *text;
   step->way[k] = ELEMENT_TO;
   if (gh_yaml_is_map(n)) {
-    GH_TRY(gh_yaml_keys(n, words));
+    GH_TRY(gh_yaml_terms(n, words));
     if (gh_yaml_length(n) != 1) return gh_yaml_fail(n, "%s: give one of to, by and times", key);
-    for (int w = 0; words[w]; w++) {
-      node value = gh_yaml_get(n, words[w]);
+    for (int w = 0; words[w].name; w++) {
+      node value = gh_yaml_get(n, words[w].name);
       if (!gh_yaml_has(value)) continue;
       step->way[k] = (element_way)w;
-      return number(value, words[w], &step->value[k]);
+      return number(value, words[w].name, &step->value[k]);
     }
   }
   const bool there = gh_yaml_is_scalar(n) && gh_yaml_text(n, key, &text) == GH_OK;
@@ -109,9 +130,8 @@ static gh_status read_until(gh_context *ctx, node step, element_step *s) {
 static gh_status read_steps(gh_context *ctx, node list, int depth, element_spec *spec);
 
 static gh_status read_repeat(gh_context *ctx, node item, int depth, element_spec *spec) {
-  static const char *const known[] = {"repeat", "steps", NULL};
   long times;
-  GH_TRY(gh_yaml_keys(item, known));
+  GH_TRY(gh_yaml_terms(item, element_repeat_keys));
   GH_TRY(gh_yaml_integer(gh_yaml_get(item, "repeat"), "repeat", 1, MOST_INCREMENTS, &times));
   if (depth == MOST_DEPTH) return gh_yaml_fail(item, "repeat within repeat, more than %d deep", MOST_DEPTH);
   for (long k = 0; k < times; k++) GH_TRY(read_steps(ctx, gh_yaml_get(item, "steps"), depth + 1, spec));
@@ -119,11 +139,10 @@ static gh_status read_repeat(gh_context *ctx, node item, int depth, element_spec
 }
 
 static gh_status read_step(gh_context *ctx, node item, element_spec *spec) {
-  static const char *const known[] = {"name", "increments", "control", "until", NULL};
   element_step step = {0};
   node n;
   long increments;
-  GH_TRY(gh_yaml_keys(item, known));
+  GH_TRY(gh_yaml_terms(item, element_step_keys));
   snprintf(step.name, sizeof step.name, "step %d", spec->nsteps + 1);
   if (gh_yaml_has(n = gh_yaml_get(item, "name"))) {
     const char *text;
@@ -154,13 +173,12 @@ static gh_status read_steps(gh_context *ctx, node list, int depth, element_spec 
 }
 
 gh_status element_spec_read(gh_context *ctx, const char *path, element_spec *spec) {
-  static const char *const known[] = {"title", "steps", NULL};
   gh_yaml *doc;
   *spec = (element_spec){.path = path};
   GH_TRY(gh_yaml_read(ctx, path, &doc));
   node root = gh_yaml_root(doc);
   gh_status status = gh_yaml_is_map(root)
-                         ? gh_yaml_keys(root, known)
+                         ? gh_yaml_terms(root, element_keys)
                          : gh_yaml_fail(root, "a control file is a map with the key 'steps'");
   if (status == GH_OK) status = read_steps(ctx, gh_yaml_get(root, "steps"), 0, spec);
   gh_yaml_destroy(&doc);

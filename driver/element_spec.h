@@ -29,7 +29,7 @@ typedef struct element_spec {
   element_step *steps;
 } element_spec;
 
-/* {steps: [...]}, docs/element.md. GH_INPUT with file and line. */
+/* {steps: [...]}, docs/reference/keys.md. GH_INPUT with file and line. */
 gh_status element_spec_read(gh_context *ctx, const char *path, element_spec *spec);
 /* A CSV whose columns, but for `step`, are named by conditions; a row of targets per increment. */
 gh_status element_spec_read_path(gh_context *ctx, const char *path, element_spec *spec);

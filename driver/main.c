@@ -1,5 +1,7 @@
 /* granhom: finds the subcommand. SPDX-License-Identifier: GPL-2.0-or-later */
 #include "cli.h"
+#include "reference.h"
+
 #include "granhom/io.h"
 #include "granhom/granhom.h"
 
@@ -19,7 +21,9 @@ static void print_help(FILE *out) {
       "usage: granhom COMMAND [arguments]\n\n");
   for (int k = 0; k < COMMANDS; k++) fprintf(out, "  %-10s %s\n", commands[k]->name, commands[k]->summary);
   fprintf(out, "  %-10s %s\n", "help",
-          "this page; `granhom help COMMAND` describes a command and its options");
+          "this page; `granhom help COMMAND` describes a command and its options,");
+  fprintf(out, "  %-10s %s\n", "",
+          "`granhom help keys` the keys of all input files, `granhom help columns` what results hold");
   fprintf(out, "\n`granhom --version` prints the versions. Exit status: 0 done; 1 the computation failed; 2 "
                "the input is wrong.\n");
 }
@@ -68,6 +72,8 @@ static int help(int argc, char **argv) {
     print_help(stdout);
     return 0;
   }
+  const int code = reference_help(argv[1], argc > 2 ? argv[2] : NULL);
+  if (code >= 0) return code;
   const cli_command *command = find(argv[1]);
   if (!command) return unknown(argv[1]);
   printf("granhom %s: %s\n\n%s", command->name, command->summary, command->help);

@@ -1,5 +1,6 @@
 /* What `granhom pack` shall do. SPDX-License-Identifier: GPL-2.0-or-later */
 #include "pack_spec.h"
+#include "reference.h"
 
 #include "granhom/io.h"
 
@@ -166,26 +167,34 @@ static const struct {
   const char *name;
   bool in_file; /* also a key of the YAML file */
   gh_status (*set)(const setting *s);
-} settings[] = {{"sieve", true, set_sieve},
-                {"count", true, set_count},
-                {"dimension", true, set_dimension},
-                {"seed", true, set_seed},
-                {"rate", true, set_rate},
-                {"collision", true, set_collision},
-                {"volume-fraction", true, set_fraction},
-                {"threshold", true, set_threshold},
-                {"window", true, set_window},
-                {"seconds", true, set_seconds},
-                {"cell", true, set_cell},
-                {"tilt", true, set_tilt},
-                {"finish", true, set_finish},
-                {"finish-cell", true, set_finish_cell},
-                {"normal-stiffness", true, set_stiffness},
-                {"anisotropy", true, set_anisotropy},
-                {"engine", true, set_engine},
-                {"ensemble", true, set_ensemble},
-                {"output", false, set_output},
-                {"picture", false, set_picture}};
+  const char *text; /* of a key */
+} settings[] = {
+    {"sieve", true, set_sieve, "required. [Sieve curve](files.md#sieve-curves), CSV"},
+    {"count", true, set_count, "number of grains; default: the counts of the sieve curve"},
+    {"dimension", true, set_dimension, "2 (default) or 3"},
+    {"seed", true, set_seed, "default 1; the same seed gives the same packing"},
+    {"rate", true, set_rate,
+     "growth rate of the mean diameter over the root mean square velocity; default 0.001"},
+    {"collision", true, set_collision,
+     "`exchange` (default): grains exchange normal velocities; `momentum`: elastic impact with masses as the "
+     "volumes"},
+    {"volume-fraction", true, set_fraction, "growth ends at this volume fraction"},
+    {"threshold", true, set_threshold,
+     "growth ends when the volume fraction gains less than this in `window`; default 1e-9"},
+    {"window", true, set_window, "collisions per grain; default 1"},
+    {"seconds", true, set_seconds, "growth ends after this time"},
+    {"cell", true, set_cell, "proportions of the cell, `[1, 1]`"},
+    {"tilt", true, set_tilt, "tilt of the cell in the same units"},
+    {"finish", true, set_finish, "`overlap=X` or `pressure=P`: soft grains in equilibrium, in the plane"},
+    {"finish-cell", true, set_finish_cell,
+     "`scaled`: the cell keeps its shape; `relaxed`: until the stress is isotropic; `auto` (default): "
+     "relaxed for a pressure without anisotropy"},
+    {"normal-stiffness", true, set_stiffness, "force per overlap; default 1"},
+    {"anisotropy", true, set_anisotropy, "difference of the principal values of the fabric"},
+    {"engine", true, set_engine, "`native` (default) or `lammps`"},
+    {"ensemble", true, set_ensemble, "number of packings, with successive seeds"},
+    {"output", false, set_output, ""},
+    {"picture", false, set_picture, ""}};
 enum { SETTINGS = sizeof settings / sizeof *settings };
 
 bool pack_spec_knows(const char *name) {
@@ -238,18 +247,23 @@ static gh_status anchor(gh_context *ctx, const char *path, char **name) {
   return GH_OK;
 }
 
-static gh_status read_map(gh_context *ctx, const char *path, gh_yaml_node root, pack_spec *spec) {
-  char keys[SETTINGS][32], where[512], text[512];
-  const char *known[SETTINGS + 1] = {0};
+void pack_spec_terms(char names[PACK_MOST_KEYS + 1][32], gh_term terms[PACK_MOST_KEYS + 1]) {
   int n = 0;
-  for (int k = 0; k < SETTINGS; k++) {
+  for (int k = 0; k < SETTINGS && n < PACK_MOST_KEYS; k++) {
     if (!settings[k].in_file) continue;
-    key_of(settings[k].name, keys[n]);
-    known[n] = keys[n];
+    key_of(settings[k].name, names[n]);
+    terms[n] = (gh_term){names[n], settings[k].text};
     n++;
   }
+  terms[n] = (gh_term){0};
+}
+
+static gh_status read_map(gh_context *ctx, const char *path, gh_yaml_node root, pack_spec *spec) {
+  char keys[PACK_MOST_KEYS + 1][32], where[512], text[512];
+  gh_term known[PACK_MOST_KEYS + 1];
+  pack_spec_terms(keys, known);
   if (!gh_yaml_is_map(root)) return gh_yaml_fail(root, "a packing is described by keys and values");
-  GH_TRY(gh_yaml_keys(root, known));
+  GH_TRY(gh_yaml_terms(root, known));
   for (int k = 0; k < SETTINGS; k++) {
     char key[32];
     key_of(settings[k].name, key);

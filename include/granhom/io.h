@@ -131,6 +131,24 @@ char *gh_path_join(const char *dir, const char *name);
 /* Folder of a path ("." when it has none). Caller frees. */
 char *gh_path_folder(const char *path);
 
+/* ---- terms: keys of the files that are read, columns of those that are written ---- */
+
+/* One of them: how it is written, and what it means (unit, range, default); an empty text: as the one before.
+ * Readers and writers use these lists, and the reference pages are made of them. The last term of a list has
+ * the name NULL. */
+typedef struct gh_term {
+  const char *name, *text;
+} gh_term;
+/* The terms of one map or file; the last of several lists has the title NULL. */
+typedef struct gh_term_list {
+  const char *title;
+  const gh_term *terms;
+} gh_term_list;
+/* The names, with `separator` between them. */
+void gh_terms_header(gh_text *out, const gh_term *terms, const char *separator);
+/* A table in Markdown, under the words `first` and "meaning". */
+void gh_terms_print(gh_text *out, const gh_term *terms, const char *first);
+
 /* ---- YAML (libyaml) ---- */
 
 typedef struct gh_yaml gh_yaml;
@@ -155,6 +173,8 @@ gh_status gh_yaml_fail(gh_yaml_node node, const char *format, ...) GH_PRINTF(2, 
 /* The map's keys must be among `known` (ends with NULL) and occur once; the message names the nearest known
  * key. */
 gh_status gh_yaml_keys(gh_yaml_node map, const char *const *known);
+/* The same with the names of terms, at most 31. */
+gh_status gh_yaml_terms(gh_yaml_node map, const gh_term *known);
 /* Value of a key; absent (node 0) when the map has no such key. */
 gh_yaml_node gh_yaml_get(gh_yaml_node map, const char *key);
 bool gh_yaml_has(gh_yaml_node node); /* present */

@@ -11,9 +11,13 @@
 extern "C" {
 #endif
 
-/* ---- a scene file (docs/user-guide.md) ---- */
+/* ---- a scene file (docs/reference/keys.md) ---- */
 
 typedef struct gh_scene gh_scene;
+
+/* The keys of a scene file, map by map; the columns and datasets of the files that a run writes. */
+const gh_term_list *gh_scene_keys(void);
+const gh_term_list *gh_scene_columns(void);
 
 /* Reads a scene with its packing and its mesh, and checks all that can be known before the first equilibrium.
  * All errors are GH_INPUT and begin with file:line. Nothing is written. */

@@ -12,7 +12,11 @@ extern "C" {
 
 typedef struct gh_study gh_study;
 
-/* Reads a study file (docs/study.md) with the scene or the path, the packings and all values that it names,
+/* The keys of a study file, map by map; the columns of study.csv and curves.csv. */
+const gh_term_list *gh_study_keys(void);
+const gh_term_list *gh_study_columns(void);
+
+/* Reads a study file (docs/reference/keys.md) with the scene or the path, the packings and all values that it names,
  * and checks each run as far as that can be done before it begins. GH_INPUT with file:line. Nothing is
  * written. quick: with what the file's `quick` puts in the place of its `vary` and `base`. */
 gh_status gh_study_read(gh_context *ctx, const char *path, bool quick, gh_study **study);

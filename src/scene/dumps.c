@@ -121,6 +121,14 @@ static void print_head(gh_text *t, long counter, const char *what, int rows, con
   }
 }
 
+static void columns_print(gh_text *t, const char *what, const gh_term *columns, const gh_term *more) {
+  gh_text_print(t, "ITEM: %s ", what);
+  gh_terms_header(t, columns, " ");
+  if (more) gh_text_print(t, " ");
+  if (more) gh_terms_header(t, more, " ");
+  gh_text_print(t, "\n");
+}
+
 /* x in the box, and how many lattice vectors it is away from it. */
 static void into_box(const box *b, const double from[2], double x[2], int image[2]) {
   double s[2];
@@ -137,8 +145,7 @@ static void into_box(const box *b, const double from[2], double x[2], int image[
 
 static void print_grains(gh_text *t, long counter, const gh_rve_view *v, const box *b) {
   print_head(t, counter, "ATOMS", v->n, b);
-  gh_text_print(t, "ITEM: ATOMS id type x y z ix iy iz radius grain rattler held replica%s\n",
-                v->theta ? " theta" : "");
+  columns_print(t, "ATOMS", scene_grain_columns, v->theta ? scene_grain_friction : NULL);
   for (int i = 0; i < v->n; i++) {
     double x[2];
     int image[2];
@@ -177,8 +184,7 @@ static void print_contact(gh_text *t, const gh_rve_view *v, const box *b, int k)
 
 static void print_contacts(gh_text *t, long counter, const gh_rve_view *v, const box *b) {
   print_head(t, counter, "ENTRIES", v->ncontacts, b);
-  gh_text_print(t, "ITEM: ENTRIES index id1 id2 x1 y1 lx ly fx fy fn ft overlap%s\n",
-                v->friction ? " sliding slip slip_plastic" : "");
+  columns_print(t, "ENTRIES", scene_contact_columns, v->friction ? scene_contact_friction : NULL);
   for (int k = 0; k < v->ncontacts; k++) print_contact(t, v, b, k);
 }
 

@@ -34,12 +34,20 @@ static bool founded(const gh_scene *s, int set) {
   return false;
 }
 
+/* A column of scene_history_sets, with the name of the set in the place of SET. */
+static void column_print(gh_text *t, int column, const char *set) {
+  const char *name = scene_history_sets[column].name, *at = strstr(name, "SET");
+  if (at) gh_text_print(t, ",%.*s%s%s", (int)(at - name), name, set, at + strlen("SET"));
+  else gh_text_print(t, ",%s", name);
+}
+
 static void footings_columns(const gh_scene *s, gh_text *t) {
   char name[SCENE_COLUMN];
   for (int set = 0; set < s->nsets; set++) {
     if (!founded(s, set)) continue;
     scene_column(s->mesh->sets[set].name, name);
-    gh_text_print(t, ",footing_ux_%s,footing_uy_%s,footing_turn_%s", name, name, name);
+    for (int column = HISTORY_FOOTING_UX; column <= HISTORY_FOOTING_TURN; column++)
+      column_print(t, column, name);
   }
 }
 
@@ -60,37 +68,36 @@ static void history_loads(const gh_scene *s, gh_text *t, bool names) {
     gh_scene_load load;
     gh_scene_load_on(s, set, &load);
     scene_column(s->mesh->sets[set].name, name);
-    if (pressed(s, set)) names ? gh_text_print(t, ",p_%s", name) : gh_text_print(t, ",%.17g", load.pressure);
+    if (pressed(s, set)) names ? column_print(t, HISTORY_P, name) : gh_text_print(t, ",%.17g", load.pressure);
     for (int i = 0; i < 2; i++) {
       if (driven(s, set, i))
-        names ? gh_text_print(t, ",u%c_%s", "xy"[i], name) : gh_text_print(t, ",%.17g", load.displacement[i]);
+        names ? column_print(t, HISTORY_UX + i, name) : gh_text_print(t, ",%.17g", load.displacement[i]);
       if (forced(s, set))
-        names ? gh_text_print(t, ",f%c_%s", "xy"[i], name) : gh_text_print(t, ",%.17g", load.force[i]);
+        names ? column_print(t, HISTORY_FX + i, name) : gh_text_print(t, ",%.17g", load.force[i]);
       double footing = s->present.footing[set].force[i].now + s->present.footing[set].old[i].now;
       if (founded(s, set))
-        names ? gh_text_print(t, ",footing_f%c_%s", "xy"[i], name) : gh_text_print(t, ",%.17g", footing);
+        names ? column_print(t, HISTORY_FOOTING_FX + i, name) : gh_text_print(t, ",%.17g", footing);
     }
   }
   double b[2];
   gh_scene_gravity(s, b);
-  names ? gh_text_print(t, ",gx,gy") : gh_text_print(t, ",%.17g,%.17g", b[0], b[1]);
+  for (int i = 0; i < 2; i++) names ? column_print(t, HISTORY_GX + i, "") : gh_text_print(t, ",%.17g", b[i]);
 }
 
 void scene_history_columns(const gh_scene *s, gh_text *t) {
   char name[SCENE_COLUMN];
-  gh_text_print(t, "step,increment,name,load_step,time");
+  gh_terms_header(t, scene_history_head, ",");
   history_loads(s, t, true);
   for (int set = 0; set < s->nsets; set++) {
     scene_column(s->mesh->sets[set].name, name);
-    gh_text_print(t, ",%s_x,%s_y", name, name);
+    for (int i = 0; i < 2; i++) column_print(t, HISTORY_X + i, name);
   }
   footings_columns(s, t);
-  gh_text_print(t, ",dilatancy,iterations,substeps,cuts,jumps,unjammed,min_acoustic,residual,"
-                   "micro_evaluations,micro_steps,micro_factorisations,"
-                   "inner_work,outer_work,energy,dissipation,energy_defect");
-  if (s->estimate)
-    gh_text_print(t, ",estimate,estimate_largest,estimate_displacement,estimate_force,estimate_growth,"
-                     "branched");
+  gh_text_print(t, ",");
+  gh_terms_header(t, scene_history_tail, ",");
+  if (!s->estimate) return;
+  gh_text_print(t, ",");
+  gh_terms_header(t, scene_history_estimate, ",");
 }
 
 void scene_history_header(scene_results *r) {

@@ -45,7 +45,7 @@ static gh_status read_files(gh_scene *s, node list, const char *folder, int **nu
 static gh_status read_ensemble(gh_scene *s, node map, node *list) {
   node n;
   long seed;
-  GH_TRY(scene_map(map, "packing", KEYS("ensemble", "seed")));
+  GH_TRY(scene_map(map, "packing", scene_ensemble_keys));
   GH_TRY(scene_need(map, "packing", "ensemble", list));
   GH_TRY(scene_need(map, "packing", "seed", &n));
   GH_TRY(gh_yaml_integer(n, "seed", 0, 2147483647, &seed));

@@ -25,9 +25,9 @@ gh_status scene_need(node map, const char *what, const char *key, node *value) {
   return gh_yaml_fail(map, "%s needs the key '%s'", what, key);
 }
 
-gh_status scene_map(node n, const char *what, const char *const *keys) {
+gh_status scene_map(node n, const char *what, const gh_term *keys) {
   if (!gh_yaml_is_map(n)) return gh_yaml_fail(n, "%s must be a map of keys and values", what);
-  return gh_yaml_keys(n, keys);
+  return gh_yaml_terms(n, keys);
 }
 
 gh_status scene_number(node n, const char *what, double *value) {
@@ -159,9 +159,7 @@ static gh_status read_contact(gh_scene *s, node root) {
   gh_contact_law *law = &s->micro.law;
   node contact, n;
   GH_TRY(scene_need(root, "a scene", "contact", &contact));
-  GH_TRY(scene_map(contact, "contact",
-                   KEYS("normal_stiffness", "tangential_stiffness", "friction_angle", "friction_coefficient",
-                        "hardening", "rotations", "slip", "allow_overlap")));
+  GH_TRY(scene_map(contact, "contact", scene_contact_keys));
   GH_TRY(scene_need(contact, "contact", "normal_stiffness", &n));
   GH_TRY(scene_positive(n, "normal_stiffness", &law->normal_stiffness));
   GH_TRY(read_allowed(&s->micro, gh_yaml_get(contact, "allow_overlap")));
@@ -172,8 +170,7 @@ static gh_status read_contact(gh_scene *s, node root) {
 static gh_status read_micro(gh_scene *s, node root) {
   node micro = gh_yaml_get(root, "micro"), n;
   if (!gh_yaml_has(micro)) return GH_OK;
-  GH_TRY(scene_map(micro, "micro",
-                   KEYS("boundary", "tolerance", "accept", "engine", "max_steps", "resident", "relaxation")));
+  GH_TRY(scene_map(micro, "micro", scene_micro_keys));
   const char *word;
   if (gh_yaml_has(n = gh_yaml_get(micro, "boundary"))) {
     GH_TRY(gh_yaml_text(n, "boundary", &word));
@@ -214,7 +211,7 @@ static gh_status move_nodes(gh_scene *s, node list) {
   for (int k = 0; k < count && status == GH_OK; k++) {
     node entry = gh_yaml_item(list, k), at, by;
     double x[2], d[2];
-    GH_TRY_OR(scene_map(entry, "an entry of move", KEYS("node", "by")), done);
+    GH_TRY_OR(scene_map(entry, "an entry of move", scene_move_keys), done);
     GH_TRY_OR(scene_need(entry, "an entry of move", "node", &at), done);
     GH_TRY_OR(scene_need(entry, "an entry of move", "by", &by), done);
     GH_TRY_OR(scene_pair(at, "node", x), done);
@@ -241,7 +238,7 @@ static gh_status read_rectangle(gh_scene *s, node n) {
   double low[2] = {0, 0}, size[2];
   int elements[2];
   node part;
-  GH_TRY(scene_map(n, "rectangle", KEYS("size", "elements", "low")));
+  GH_TRY(scene_map(n, "rectangle", scene_rectangle_keys));
   GH_TRY(scene_need(n, "rectangle", "size", &part));
   GH_TRY(scene_pair(part, "size", size));
   if (!(size[0] > 0) || !(size[1] > 0))
@@ -266,7 +263,7 @@ static gh_status read_mesh(gh_scene *s, node root, const char *folder) {
   node mesh, rectangle, gmsh;
   GH_TRY(scene_need(root, "a scene", "mesh", &mesh));
   s->mesh_line = gh_yaml_line(mesh);
-  GH_TRY(scene_map(mesh, "mesh", KEYS("rectangle", "gmsh", "move")));
+  GH_TRY(scene_map(mesh, "mesh", scene_mesh_keys));
   rectangle = gh_yaml_get(mesh, "rectangle");
   gmsh = gh_yaml_get(mesh, "gmsh");
   if (gh_yaml_has(rectangle) == gh_yaml_has(gmsh))
@@ -296,7 +293,7 @@ static gh_status read_start(gh_scene *s, node root) {
   node start = gh_yaml_get(root, "start"), n;
   s->start_line = gh_yaml_line(gh_yaml_has(start) ? start : root);
   if (!gh_yaml_has(start)) return GH_OK;
-  GH_TRY(scene_map(start, "start", KEYS("confinement", "follow", "balance")));
+  GH_TRY(scene_map(start, "start", scene_start_keys));
   bool balance = false;
   GH_TRY(scene_optional_bool(start, "balance", &balance));
   n = gh_yaml_get(start, "confinement");
@@ -348,9 +345,7 @@ static gh_status read_solver(gh_scene *s, node root) {
   if (gh_rve_has_branches(&s->micro)) s->solver.memory = MEMORY_WITH_BRANCHES;
   s->solver.memory_above = NOISE * s->micro.tolerance;
   if (!gh_yaml_has(solver)) return GH_OK;
-  GH_TRY(scene_map(solver, "solver",
-                   KEYS("method", "tolerance", "line_search", "search_memory", "max_iterations", "cut_steps",
-                        "pass_jumps", "tangent", "increments", "at_once")));
+  GH_TRY(scene_map(solver, "solver", scene_solver_keys));
   if (gh_yaml_has(n = gh_yaml_get(solver, "method"))) {
     const char *word;
     GH_TRY(gh_yaml_text(n, "method", &word));
@@ -372,7 +367,7 @@ static gh_status read_labels(gh_scene *s, node root) {
   const char *title = "", *length = "", *force = "";
   if (gh_yaml_has(n)) GH_TRY(gh_yaml_text(n, "title", &title));
   if (gh_yaml_has(units)) {
-    GH_TRY(scene_map(units, "units", KEYS("length", "force")));
+    GH_TRY(scene_map(units, "units", scene_units_keys));
     if (gh_yaml_has(n = gh_yaml_get(units, "length"))) GH_TRY(gh_yaml_text(n, "length", &length));
     if (gh_yaml_has(n = gh_yaml_get(units, "force"))) GH_TRY(gh_yaml_text(n, "force", &force));
   }
@@ -383,9 +378,7 @@ static gh_status read_labels(gh_scene *s, node root) {
 
 static gh_status read_root(gh_scene *s, node root, const char *folder) {
   node gravity;
-  GH_TRY(scene_map(root, "a scene",
-                   KEYS("title", "units", "packing", "contact", "micro", "start", "mesh", "supports",
-                        "gravity", "steps", "solver", "results", "output")));
+  GH_TRY(scene_map(root, "a scene", scene_root_keys));
   GH_TRY(read_labels(s, root));
   GH_TRY(read_contact(s, root));
   GH_TRY(read_micro(s, root));

@@ -5,18 +5,13 @@
 #include "scene/internal.h"
 
 typedef gh_yaml_node node;
-#define KEYS(...)                                                                                            \
-  (const char *const[]) {                                                                                    \
-    __VA_ARGS__, NULL                                                                                        \
-  }
-
 /* ---- read.c: values; all failures are GH_INPUT with file:line ---- */
 
 gh_status scene_copy_text(gh_context *ctx, const char *text, char **copy);
 /* The value of a key that must be there. */
 gh_status scene_need(node map, const char *what, const char *key, node *value);
 /* A map with no other keys than these. */
-gh_status scene_map(node n, const char *what, const char *const *keys);
+gh_status scene_map(node n, const char *what, const gh_term *keys);
 gh_status scene_number(node n, const char *what, double *value);
 /* Above 0. */
 gh_status scene_positive(node n, const char *what, double *value);
@@ -27,6 +22,14 @@ gh_status scene_pair(node n, const char *what, double value[2]);
 gh_status scene_list_length(node list, const char *what, int *length);
 /* `contact` and `micro` of a map into *rve, which holds the defaults. */
 gh_status scene_read_material(node root, gh_context *ctx, gh_rve_options *rve);
+
+/* ---- keys.c: what each map of a scene may hold ---- */
+
+extern const gh_term scene_root_keys[], scene_units_keys[], scene_ensemble_keys[], scene_contact_keys[],
+    scene_micro_keys[], scene_start_keys[], scene_mesh_keys[], scene_rectangle_keys[], scene_move_keys[],
+    scene_support_keys[], scene_step_keys[], scene_pressure_keys[], scene_displace_keys[], scene_force_keys[],
+    scene_footing_keys[], scene_gravity_keys[], scene_release_keys[], scene_solver_keys[],
+    scene_results_keys[];
 
 /* ---- packings.c ---- */
 

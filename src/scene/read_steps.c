@@ -38,7 +38,7 @@ gh_status scene_read_fixes(gh_scene *s, node list, const char *what, const char 
   for (int k = 0; k < *count; k++) {
     node entry = gh_yaml_item(list, k), n;
     const char *word;
-    GH_TRY(scene_map(entry, what, KEYS("edge", "set", key)));
+    GH_TRY(scene_map(entry, what, strcmp(key, "fix") == 0 ? scene_support_keys : scene_release_keys));
     GH_TRY(find_set(s, entry, what, false, &(*fixes)[k].set));
     GH_TRY(scene_need(entry, what, key, &n));
     GH_TRY(gh_yaml_text(n, key, &word));
@@ -57,7 +57,7 @@ static gh_status read_pressures(gh_scene *s, node list, scene_step *step) {
     scene_pressure *p = step->pressures + k;
     node entry = gh_yaml_item(list, k), n;
     p->line = gh_yaml_line(entry);
-    GH_TRY(scene_map(entry, "pressure", KEYS("edge", "set", "from", "to", "follow")));
+    GH_TRY(scene_map(entry, "pressure", scene_pressure_keys));
     GH_TRY(find_set(s, entry, "pressure", true, &p->set));
     GH_TRY(scene_need(entry, "pressure", "to", &n));
     GH_TRY(scene_number(n, "to", &p->to));
@@ -87,7 +87,7 @@ static gh_status read_displaces(gh_scene *s, node list, scene_step *step) {
     node entry = gh_yaml_item(list, k), n, from;
     const char *names[2] = {"x", "y"};
     d->line = gh_yaml_line(entry);
-    GH_TRY(scene_map(entry, "displace", KEYS("edge", "set", "x", "y", "from")));
+    GH_TRY(scene_map(entry, "displace", scene_displace_keys));
     GH_TRY(find_set(s, entry, "displace", false, &d->set));
     int directions = 0;
     for (int i = 0; i < 2; i++) {
@@ -116,7 +116,7 @@ static gh_status read_forces(gh_scene *s, node list, scene_step *step) {
   for (int k = 0; k < step->nforces; k++) {
     scene_force *f = step->forces + k;
     node entry = gh_yaml_item(list, k), n;
-    GH_TRY(scene_map(entry, "forces", KEYS("edge", "set", "from", "to")));
+    GH_TRY(scene_map(entry, "forces", scene_force_keys));
     GH_TRY(find_set(s, entry, "forces", false, &f->set));
     GH_TRY(scene_need(entry, "forces", "to", &n));
     GH_TRY(scene_pair(n, "to", f->to));
@@ -149,7 +149,7 @@ static gh_status read_footings(gh_scene *s, node list, scene_step *step) {
     scene_footing *f = step->footings + k;
     node entry = gh_yaml_item(list, k), n;
     f->line = gh_yaml_line(entry);
-    GH_TRY(scene_map(entry, "footing", KEYS("edge", "set", "force", "from", "at", "eccentricity")));
+    GH_TRY(scene_map(entry, "footing", scene_footing_keys));
     GH_TRY(find_set(s, entry, "footing", true, &f->set));
     GH_TRY(scene_need(entry, "footing", "force", &n));
     GH_TRY(scene_pair(n, "force", f->to));
@@ -172,7 +172,7 @@ static gh_status read_step_gravity(node n, scene_step *step) {
   step->gravity = true;
   step->gravity_line = gh_yaml_line(n);
   if (gh_yaml_is_list(n)) return scene_pair(n, "gravity", step->gravity_to);
-  GH_TRY(scene_map(n, "gravity", KEYS("from", "to")));
+  GH_TRY(scene_map(n, "gravity", scene_gravity_keys));
   GH_TRY(scene_need(n, "gravity", "to", &part));
   GH_TRY(scene_pair(part, "to", step->gravity_to));
   if (gh_yaml_has(part = gh_yaml_get(n, "from"))) GH_TRY(scene_pair(part, "from", step->gravity_from));
@@ -183,9 +183,7 @@ static gh_status read_step(gh_scene *s, node n, int index, scene_step *step) {
   node part;
   long count;
   step->line = gh_yaml_line(n);
-  GH_TRY(scene_map(n, "a step",
-                   KEYS("name", "increments", "supports", "release", "pressure", "displace", "forces",
-                        "footing", "gravity")));
+  GH_TRY(scene_map(n, "a step", scene_step_keys));
   char numbered[32];
   const char *name = numbered;
   snprintf(numbered, sizeof numbered, "step %d", index + 1);

@@ -195,8 +195,10 @@ gh_status scene_results_create(gh_scene *scene, gh_farm *farm, gh_macro *macro, 
     scene_results_destroy(results);
     return status;
   }
-  gh_text_print(r->timing, "step,seconds,micro_seconds,evaluations,computed,moved,ranks\n");
-  gh_text_print(r->convergence, "step,substep,iteration,residual,relative,first,step_length,seconds\n");
+  gh_terms_header(r->timing, scene_timing_columns, ",");
+  gh_text_print(r->timing, "\n");
+  gh_terms_header(r->convergence, scene_convergence_columns, ",");
+  gh_text_print(r->convergence, "\n");
   time_t now = time(NULL);
   struct tm utc;
   if (gmtime_r(&now, &utc)) strftime(r->started, sizeof r->started, "%Y-%m-%dT%H:%M:%SZ", &utc);

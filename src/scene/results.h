@@ -31,6 +31,27 @@ gh_status scene_result_path(const scene_results *r, const char *name, char **pat
 /* recorded.c: kind and version of an HDF5 file of the folder, for gh_h5_open. */
 const char *scene_h5_kind(const char *name);
 
+/* columns.c: the columns of the text files that a run writes */
+enum {
+  HISTORY_P,
+  HISTORY_UX,
+  HISTORY_UY,
+  HISTORY_FX,
+  HISTORY_FY,
+  HISTORY_FOOTING_FX,
+  HISTORY_FOOTING_FY,
+  HISTORY_GX,
+  HISTORY_GY,
+  HISTORY_X,
+  HISTORY_Y,
+  HISTORY_FOOTING_UX,
+  HISTORY_FOOTING_UY,
+  HISTORY_FOOTING_TURN
+};
+extern const gh_term scene_history_head[], scene_history_sets[], scene_history_tail[],
+    scene_history_estimate[], scene_timing_columns[], scene_convergence_columns[], scene_grain_columns[],
+    scene_grain_friction[], scene_contact_columns[], scene_contact_friction[];
+
 /* history.c */
 /* The names of its columns, with commas between, without an end of line. */
 void scene_history_columns(const gh_scene *scene, gh_text *out);
@@ -48,6 +69,7 @@ typedef struct scene_number {
 } scene_number;
 extern const scene_number scene_numbers[];
 extern const size_t scene_number_count;
+extern const gh_term scene_number_terms[];
 
 /* xdmf.c */
 void scene_xdmf_begin(gh_text *out);

@@ -10,6 +10,11 @@
 
 typedef gh_yaml_node node;
 
+/* ---- keys.c: what each map of a study file may hold ---- */
+
+extern const gh_term study_keys[], study_rve_keys[], study_path_keys[], study_leg_keys[],
+    study_reference_keys[], study_quick_keys[];
+
 /* ---- read.c ---- */
 
 gh_status study_copy(gh_context *ctx, const char *text, char **copy);

@@ -47,7 +47,7 @@ static void add_leg(study_path *p, const double to[4], int count, long refine) {
 
 static gh_status read_leg(node leg, double to[4], long *count) {
   node n;
-  GH_TRY(scene_map(leg, "a leg", KEYS("to", "increments")));
+  GH_TRY(scene_map(leg, "a leg", study_leg_keys));
   GH_TRY(scene_need(leg, "a leg", "to", &n));
   GH_TRY(gh_yaml_numbers(n, "to", 4, to));
   if (!(gh_det2(to) > 0))
@@ -140,7 +140,7 @@ static gh_status read_file(gh_context *ctx, node n, const char *folder, long ref
 
 gh_status study_path_read(gh_context *ctx, node path, const char *folder, long refine, study_path *p) {
   *p = (study_path){0};
-  GH_TRY(scene_map(path, "path", KEYS("legs", "file")));
+  GH_TRY(scene_map(path, "path", study_path_keys));
   node legs = gh_yaml_get(path, "legs"), file = gh_yaml_get(path, "file");
   if (gh_yaml_has(legs) == gh_yaml_has(file))
     return gh_yaml_fail(path, "path needs one of the keys 'legs' and 'file'");

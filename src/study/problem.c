@@ -263,7 +263,7 @@ static gh_status check_path(gh_context *ctx, node path, const study_problem *p) 
 static gh_status read_rve(gh_context *ctx, const gh_study *s, gh_yaml *doc, const wanted *w,
                           study_problem *p) {
   node rve = gh_yaml_get(gh_yaml_root(doc), "rve"), path, contact;
-  GH_TRY(scene_map(rve, "rve", KEYS("packing", "contact", "micro", "path")));
+  GH_TRY(scene_map(rve, "rve", study_rve_keys));
   GH_TRY(scene_need(rve, "rve", "contact", &contact));
   GH_TRY(scene_need(rve, "rve", "path", &path));
   GH_TRY(study_path_read(ctx, path, s->folder, w->refine, &p->path));

@@ -159,7 +159,7 @@ static gh_status read_tighter(gh_study *s, node set) {
 }
 
 static gh_status read_reference(gh_study *s, node n) {
-  GH_TRY(scene_map(n, "reference", KEYS("set", "file", "closed_form")));
+  GH_TRY(scene_map(n, "reference", study_reference_keys));
   node set = gh_yaml_get(n, "set"), file = gh_yaml_get(n, "file"), form = gh_yaml_get(n, "closed_form");
   s->reference_line = gh_yaml_line(n);
   if (gh_yaml_has(set) + gh_yaml_has(file) + gh_yaml_has(form) != 1)
@@ -182,7 +182,7 @@ static gh_status read_problem(gh_study *s, node root) {
     s->scene_path = gh_path_join(s->folder, name);
     return s->scene_path ? GH_OK : gh_fail(s->ctx, GH_MEMORY, "no memory for a path");
   }
-  GH_TRY(scene_map(rve, "rve", KEYS("packing", "contact", "micro", "path")));
+  GH_TRY(scene_map(rve, "rve", study_rve_keys));
   GH_TRY(scene_need(rve, "rve", "packing", &packing));
   return add_entry(s, "packing", packing, &s->base, &s->nbase);
 }
@@ -197,7 +197,7 @@ static gh_status read_labels(gh_study *s, node root) {
   free(copy);
   GH_TRY(status);
   if (!gh_yaml_has(units)) return GH_OK; /* a scene has its own */
-  GH_TRY(scene_map(units, "units", KEYS("length", "force")));
+  GH_TRY(scene_map(units, "units", scene_units_keys));
   if (gh_yaml_has(n = gh_yaml_get(units, "length"))) GH_TRY(gh_yaml_text(n, "length", &length));
   if (gh_yaml_has(n = gh_yaml_get(units, "force"))) GH_TRY(gh_yaml_text(n, "force", &force));
   GH_TRY(study_copy(s->ctx, length, &s->length_unit));
@@ -378,11 +378,9 @@ static gh_status check_runs(gh_study *s) {
 
 static gh_status read_root(gh_study *s, node root) {
   node quick = {.doc = root.doc}, vary, reference;
-  GH_TRY(scene_map(root, "a study",
-                   KEYS("title", "units", "scene", "rve", "base", "vary", "reference", "quantities", "goals",
-                        "order", "series", "plots", "quick")));
+  GH_TRY(scene_map(root, "a study", study_keys));
   if (gh_yaml_has(gh_yaml_get(root, "quick"))) {
-    GH_TRY(scene_map(gh_yaml_get(root, "quick"), "quick", KEYS("vary", "base", "reference")));
+    GH_TRY(scene_map(gh_yaml_get(root, "quick"), "quick", study_quick_keys));
     if (s->quick) quick = gh_yaml_get(root, "quick");
   }
   GH_TRY(read_labels(s, root));

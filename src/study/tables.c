@@ -34,6 +34,54 @@ static void print_head(const gh_study *s, gh_text *out) {
 
 /* ---- study.csv ---- */
 
+static const gh_term study_csv_head[] = {{"also", "keys that a reference sets besides the parameters"},
+                                         {"reference", "row of the reference"},
+                                         {"outcome", "done, reference, failed, partly failed, unfinished"},
+                                         {"runs", "packings of the ensemble"},
+                                         {"members", "of these with a result"},
+                                         {"points", "values of t that are compared"},
+                                         {0}};
+
+static const gh_term study_csv_errors[] = {
+    {"QUANTITY_l2", "relative error, l2 norm over t; of the mean of an ensemble"},
+    {"QUANTITY_largest", "largest difference at one t over the largest value"},
+    {"QUANTITY_single", "root mean square error of the members"},
+    {"QUANTITY_confidence", "half width of the 95 % interval of the mean"},
+    {"QUANTITY_chance", "half width of the 95 % interval of the error: what scatter alone explains"},
+    {0}};
+
+static const gh_term study_csv_tail[] = {
+    {"wall", "elapsed time, s"},
+    {"core", "processor time, s"},
+    {"force_evaluations", "relaxation steps of the packings"},
+    {"pair_evaluations", "evaluations of grain pairs"},
+    {"factorisations", "of the packings"},
+    {"evaluations", "of packings"},
+    {"iterations", "of the finite element problem"},
+    {"cuts", "bisections"},
+    {"jumps", "instabilities that were stepped over"},
+    {"residual", "largest"},
+    {"energy_defect", "energy imbalance, relative"},
+    {"pareto", "1: none with the same reference is as accurate and faster (core)"},
+    {"pareto_count", "the same by pair evaluations"},
+    {"order", "observed order of convergence"},
+    {0}};
+
+static const gh_term study_curve_columns[] = {{"t", "rows of the path, or load steps"},
+                                              {"members", "packings of the ensemble"},
+                                              {"COLUMN", "mean of a compared column"},
+                                              {"COLUMN_deviation", "its standard deviation"},
+                                              {0}};
+
+const gh_term_list *gh_study_columns(void) {
+  static const gh_term_list all[] = {{"study.csv: setting, the parameters, then", study_csv_head},
+                                     {"study.csv: of each quantity", study_csv_errors},
+                                     {"study.csv: cost", study_csv_tail},
+                                     {"curves.csv: setting, the parameters, then", study_curve_columns},
+                                     {0}};
+  return all;
+}
+
 static const char *outcome(const gh_study *s, int k) {
   const study_setting *g = s->settings + k;
   int finished = 0, members = s->verdict->row[k].members;
@@ -46,14 +94,15 @@ static const char *outcome(const gh_study *s, int k) {
 void study_write_csv(const gh_study *s, gh_text *out) {
   if (!s->verdict) return;
   print_head(s, out);
-  gh_text_print(out, ",also,reference,outcome,runs,members,points");
+  gh_text_print(out, ",");
+  gh_terms_header(out, study_csv_head, ",");
   for (int q = 0; q < s->nquantities; q++) {
-    const char *name = s->quantities[q].name;
-    gh_text_print(out, ",%s_l2,%s_largest,%s_single,%s_confidence,%s_chance", name, name, name, name, name);
+    for (const gh_term *t = study_csv_errors; t->name; t++)
+      gh_text_print(out, ",%s%s", s->quantities[q].name, strchr(t->name, '_'));
   }
-  gh_text_print(out,
-                ",wall,core,force_evaluations,pair_evaluations,factorisations,evaluations,iterations,cuts,"
-                "jumps,residual,energy_defect,pareto,pareto_count,order\n");
+  gh_text_print(out, ",");
+  gh_terms_header(out, study_csv_tail, ",");
+  gh_text_print(out, "\n");
   for (int k = 0; k < s->nsettings; k++) {
     const study_judged *r = s->verdict->row + k;
     print_setting(s, k, out);

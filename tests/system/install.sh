@@ -68,7 +68,7 @@ read -ra static_libs <<<"$(pkg-config --static --libs granhom | sed 's/-lgranhom
 check "a C++ program" g++ -std=c++17 -Wall -Wextra -Werror cpp.cpp "${cflags[@]}" "${libs[@]}" -o cpp
 check "gets messages" grep -q '^2 none.data: ' <(./cpp)
 
-# --- the example of docs/library.md ---
+# --- the example of docs/reference/library.md ---
 cat >path.csv <<'END'
 step,F11,F12,F21,F22
 0,1,0,0,1

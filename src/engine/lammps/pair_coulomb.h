@@ -58,7 +58,7 @@ public:
   void compare(const char *data) const;
 
 private:
-  enum { EXTRA = 9 }; /* values of single(), see docs/lammps/pair_granhom_coulomb.md */
+  enum { EXTRA = 9 }; /* values of single(), see docs/reference/lammps/pair_granhom_coulomb.md */
   bool step = true, fixed = false, objective = false;
   std::vector<gh_contact_law> laws; /* of pairs of types */
   std::vector<double> extra;

@@ -1,7 +1,7 @@
 /* granhom's styles as a plugin (`plugin load`) for LAMMPS builds with the PLUGIN package; empty where
  * LAMMPS's header for plugins is not installed, as in Debian. SPDX-License-Identifier: GPL-2.0-or-later
  *
- * Built against the headers of the very LAMMPS that loads it: docs/lammps/README.md. */
+ * Built against the headers of the very LAMMPS that loads it: docs/reference/lammps/README.md. */
 #if __has_include(<lammpsplugin.h>)
 #include "engine/lammps/commands.h"
 #include "engine/lammps/compute_contact.h"
