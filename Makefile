@@ -16,7 +16,7 @@ BUILD  ?= build
 PREFIX ?= /usr/local
 ARCH   ?= -march=native
 OPT    ?= -O3
-MODULES ?= base io mesh contact packing engine engine/native engine/lammps micro farm control macro scene crosscheck study
+MODULES ?= base io mesh contact packing engine engine/native engine/lammps micro farm control macro prepare results report scene crosscheck study
 
 # MPI=0: granhom's own code knows no ranks; LAMMPS keeps the MPI that it was built with. HDF5=0: results as text alone.
 MPI    ?= 1
@@ -68,7 +68,7 @@ CHOICE := MPI=$(MPI) HDF5=$(HDF5)
 $(shell mkdir -p $(BUILD); echo '$(CHOICE)' | cmp -s - $(BUILD)/choice || echo '$(CHOICE)' >$(BUILD)/choice)
 
 # What answers and their seconds depend on, as a number: records of a study tell by it of which build they are.
-ANSWERS := $(sort $(filter-out src/study/% src/scene/report%,$(SRC)) $(addprefix src/study/,path.c follow.c scene_run.c) \
+ANSWERS := $(sort $(filter-out src/study/% src/report/%,$(SRC)) $(addprefix src/study/,path.c follow.c scene_run.c) \
   $(wildcard include/granhom/*.h src/*/*.h src/*/*/*.h))
 $(shell printf '\043define GH_SOURCES "%s"\n' "$$(cat $(ANSWERS) | cksum | cut -d' ' -f1)" >$(BUILD)/sources.new; \
   cmp -s $(BUILD)/sources.new $(BUILD)/sources.h && rm $(BUILD)/sources.new || mv $(BUILD)/sources.new $(BUILD)/sources.h)

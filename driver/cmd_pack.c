@@ -3,6 +3,7 @@
 #include "pack_spec.h"
 
 #include "granhom/limits.h"
+#include "granhom/report.h"
 
 #include <stdlib.h>
 #include <string.h>

@@ -1,7 +1,7 @@
 /* granhom plot: pictures of a folder of results. SPDX-License-Identifier: GPL-2.0-or-later */
 #include "cli.h"
 #include "granhom/io.h"
-#include "granhom/scene.h"
+#include "granhom/report.h"
 
 #include <signal.h>
 #include <stdlib.h>

@@ -1,6 +1,6 @@
 /* granhom report: one HTML page about a folder of results. SPDX-License-Identifier: GPL-2.0-or-later */
 #include "cli.h"
-#include "granhom/scene.h"
+#include "granhom/report.h"
 
 #include <stdlib.h>
 #include <string.h>

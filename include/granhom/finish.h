@@ -1,4 +1,4 @@
-/* granhom: from hard packings to mechanics: soft grains in equilibrium, wanted fabric, pictures of packings.
+/* granhom: from hard packings to mechanics: soft grains in equilibrium, wanted fabric.
  * SPDX-License-Identifier: GPL-2.0-or-later
  *
  * What is made is a packing like the one that came in: same grains, another cell, other positions. */
@@ -86,12 +86,6 @@ void gh_finish_print(const gh_finish_report *report, gh_text *out);
 /* NAME.data, 7 -> NAME-007.data: the file of member k of an ensemble. Caller frees; NULL when out of memory.
  */
 char *gh_ensemble_path(const char *path, int k);
-
-/* Primary, boundary and replica grains of a packing in three tones (Figures 3.3 and 3.12), the cell as a
- * frame. The name's ending chooses: .svg or .png; GH_INPUT: another one. */
-gh_status gh_picture_packing(gh_context *ctx, const gh_packing *packing, const char *path);
-/* The same for what growth makes. Spheres are seen from the front, right and above, without replicas. */
-gh_status gh_picture_grains(gh_context *ctx, const gh_grains *grains, const char *path);
 
 #ifdef __cplusplus
 }

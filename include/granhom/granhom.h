@@ -8,6 +8,7 @@
 #include "granhom/crosscheck.h"
 #include "granhom/engine.h"
 #include "granhom/farm.h"
+#include "granhom/finish.h"
 #include "granhom/io.h"
 #include "granhom/lammps.h"
 #include "granhom/limits.h"
@@ -15,6 +16,7 @@
 #include "granhom/mesh.h"
 #include "granhom/micro.h"
 #include "granhom/packing.h"
+#include "granhom/report.h"
 #include "granhom/scene.h"
 #include "granhom/study.h"
 #endif

@@ -4,6 +4,7 @@
 #define GRANHOM_STUDY_H
 
 #include "granhom/io.h"
+#include "granhom/report.h"
 #include "granhom/scene.h"
 
 #ifdef __cplusplus

@@ -1,7 +1,7 @@
 /* The picture of a cross-check. SPDX-License-Identifier: GPL-2.0-or-later */
 #include "crosscheck/crosscheck.h"
 
-#include "granhom/scene.h"
+#include "granhom/report.h"
 
 #include <stdlib.h>
 

@@ -2,7 +2,7 @@
  * any text, results.h5, rves.h5 and traces.h5 changed as in fuzz_state.c. The first byte of an input says
  * which of them it is. SPDX-License-Identifier: GPL-2.0-or-later */
 #include "fuzz.h"
-#include "granhom/scene.h"
+#include "granhom/report.h"
 
 #include <fcntl.h>
 #include <string.h>

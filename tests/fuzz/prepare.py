@@ -150,7 +150,7 @@ class Work:
         keys = set()
         for pattern in ("src/scene/read*.c", "src/scene/packings.c", "src/study/read.c", "src/study/problem.c", "driver/*_spec.c",
                         "src/mesh/gmsh.c", "src/io/lammps_data.c", "src/packing/sieve.c", "src/control/condition.c",
-                        "src/scene/recorded.c", "src/scene/report*.c", "src/study/record.c", "src/scene/finish.c"):
+                        "src/report/recorded.c", "src/report/report*.c", "src/study/record.c", "src/prepare/finish.c"):
             for path in glob.glob(os.path.join(self.root, pattern)):
                 keys.update(re.findall(r'"([$#A-Za-z][A-Za-z0-9_ -]{0,30})"', read(path).decode()))
         lines = ['"%s"' % word for word in sorted(keys) + ODD]

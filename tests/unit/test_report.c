@@ -2,7 +2,7 @@
  * tables, dumps that grow by whole frames. SPDX-License-Identifier: GPL-2.0-or-later */
 #include "../help.h"
 
-#include "scene/report.h"
+#include "report/report.h"
 #include "scene/results.h"
 
 #include <sys/stat.h>
@@ -116,17 +116,17 @@ static void make_folder(char path[64]) {
 static void tables(void **state) {
   gh_context *ctx = *state;
   char folder[64], path[128];
-  scene_table t;
+  report_table t;
   make_folder(folder);
   snprintf(path, sizeof path, "%s/t.csv", folder);
   write_file(path, "step,name,x\n0,start,0.5\n1,a b,-2\n");
-  OK(scene_table_read(ctx, folder, "t.csv", &t));
+  OK(report_table_read(ctx, folder, "t.csv", &t));
   assert_int_equal(t.nrows, 2);
-  assert_string_equal(scene_table_text(&t, 1, scene_table_column(&t, "name")), "a b");
-  NEAR("x", scene_table_number(&t, 1, scene_table_column(&t, "x")), -2, 0);
-  assert_true(isnan(scene_table_number(&t, 1, 1)));
-  assert_int_equal(scene_table_column(&t, "nam"), -1);
-  scene_table_free(&t);
+  assert_string_equal(report_table_text(&t, 1, report_table_column(&t, "name")), "a b");
+  NEAR("x", report_table_number(&t, 1, report_table_column(&t, "x")), -2, 0);
+  assert_true(isnan(report_table_number(&t, 1, 1)));
+  assert_int_equal(report_table_column(&t, "nam"), -1);
+  report_table_free(&t);
   static const struct {
     const char *text, *message;
   } bad[] = {{"step,name,x\n0,start,0.5\n1,a\n", "t.csv:3: has 2 fields, the header has 3"},
@@ -135,12 +135,12 @@ static void tables(void **state) {
              {"step,name,x\n", "t.csv: holds no increment"}};
   for (size_t k = 0; k < sizeof bad / sizeof *bad; k++) {
     write_file(path, bad[k].text);
-    FAILS(scene_table_read(ctx, folder, "t.csv", &t), GH_INPUT, bad[k].message);
-    scene_table_free(&t);
+    FAILS(report_table_read(ctx, folder, "t.csv", &t), GH_INPUT, bad[k].message);
+    report_table_free(&t);
   }
   unlink(path);
-  FAILS(scene_table_read(ctx, folder, "t.csv", &t), GH_INPUT, "t.csv");
-  scene_table_free(&t);
+  FAILS(report_table_read(ctx, folder, "t.csv", &t), GH_INPUT, "t.csv");
+  report_table_free(&t);
   rmdir(folder);
 }
 

@@ -3,7 +3,7 @@
 #include "../help.h"
 
 #include "io/file.h"
-#include "scene/gnuplot.h"
+#include "report/gnuplot.h"
 #include "scene/results.h"
 
 #include <stdlib.h>
@@ -62,7 +62,7 @@ static void test_script(void **state) {
   close(fd);
   unlink(png);
   for (size_t k = 0; k < sizeof bad / sizeof *bad; k++) {
-    assert_int_equal(scene_gnuplot(*state, bad[k], png), GH_SYSTEM);
+    assert_int_equal(report_gnuplot(*state, bad[k], png), GH_SYSTEM);
     assert_non_null(strstr(gh_message(*state), "holds a command of the shell"));
     assert_int_equal(access(png, F_OK), -1);
     assert_int_equal(access("PWNED", F_OK), -1);

@@ -1,5 +1,5 @@
 /* Density functions of directions. SPDX-License-Identifier: GPL-2.0-or-later */
-#include "scene/report.h"
+#include "report/report.h"
 
 static const double PI = 3.14159265358979323846;
 

@@ -1,7 +1,7 @@
 /* Whether a folder of results is whole, before anything is drawn from it. SPDX-License-Identifier:
  * GPL-2.0-or-later */
 #include "io/file.h"
-#include "scene/report.h"
+#include "report/report.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -19,7 +19,7 @@ static bool still_running(const folder *f) {
 }
 
 /* A run that has ended says how many increments it has written; the start comes before them. */
-static gh_status history_check(const folder *f, const scene_table *h) {
+static gh_status history_check(const folder *f, const report_table *h) {
   const cJSON *summary = cJSON_GetObjectItemCaseSensitive(f->run, "summary"),
               *increments = cJSON_GetObjectItemCaseSensitive(summary, "increments");
   if (still_running(f) || !cJSON_IsNumber(increments) || h->nrows >= increments->valuedouble + 1)
@@ -30,33 +30,33 @@ static gh_status history_check(const folder *f, const scene_table *h) {
 }
 
 /* `open`: nan, and only this word, is a displacement that the row's step does not prescribe. */
-static gh_status values_check(gh_context *ctx, const scene_table *h, int column, bool open) {
+static gh_status values_check(gh_context *ctx, const report_table *h, int column, bool open) {
   char quoted[GH_QUOTE], name[GH_QUOTE];
   for (int k = 0; k < h->nrows && column >= 0; k++)
-    if (!isfinite(scene_table_number(h, k, column)) &&
-        !(open && strcmp(scene_table_text(h, k, column), "nan") == 0))
+    if (!isfinite(report_table_number(h, k, column)) &&
+        !(open && strcmp(report_table_text(h, k, column), "nan") == 0))
       return gh_fail(ctx, GH_INPUT, "%s:%d: %s: '%s' is not a finite number", h->path, k + 2,
-                     gh_quote(h->name[column], name), gh_quote(scene_table_text(h, k, column), quoted));
+                     gh_quote(h->name[column], name), gh_quote(report_table_text(h, k, column), quoted));
   return GH_OK;
 }
 
 static gh_status table_check(folder *f) {
-  scene_table h;
-  scene_labels l;
-  scene_curve c;
-  GH_TRY(scene_labels_of(f->ctx, f->name, f->run, &l));
-  gh_status status = scene_table_read(f->ctx, f->name, "history.csv", &h);
+  report_table h;
+  report_labels l;
+  report_curve c;
+  GH_TRY(report_labels_of(f->ctx, f->name, f->run, &l));
+  gh_status status = report_table_read(f->ctx, f->name, "history.csv", &h);
   f->rows = h.nrows;
   if (status == GH_OK) status = history_check(f, &h);
-  if (status == GH_OK) status = scene_curve_choose(f->ctx, &h, &l, &c);
+  if (status == GH_OK) status = report_curve_choose(f->ctx, &h, &l, &c);
   if (status == GH_OK) status = values_check(f->ctx, &h, c.x, true);
   if (status == GH_OK) status = values_check(f->ctx, &h, c.force, false);
   if (status == GH_OK) status = values_check(f->ctx, &h, c.dilatancy, false);
-  scene_table_free(&h);
+  report_table_free(&h);
   return status;
 }
 
-gh_status scene_residuals_read(gh_context *ctx, const char *path, gh_csv **csv) {
+gh_status report_residuals_read(gh_context *ctx, const char *path, gh_csv **csv) {
   char *text;
   *csv = NULL;
   GH_TRY(gh_file_text(ctx, path, &text));
@@ -79,7 +79,7 @@ gh_status scene_residuals_read(gh_context *ctx, const char *path, gh_csv **csv) 
 /* Each increment has a residual at least. */
 static gh_status residuals_check(const folder *f, const char *path) {
   gh_csv *csv;
-  GH_TRY(scene_residuals_read(f->ctx, path, &csv));
+  GH_TRY(report_residuals_read(f->ctx, path, &csv));
   double last = csv->value[(csv->nrows - 1) * csv->ncols + gh_csv_find(csv, "step")];
   gh_csv_destroy(&csv);
   const int behind = still_running(f) ? 2 : 1; /* the files of an increment are written one after the other */
@@ -96,7 +96,7 @@ static gh_status fields_check(const folder *f, const char *path, const char *nam
   if (!gh_h5_available() || (!there && !needed)) return GH_OK;
   if (!there)
     return gh_fail(f->ctx, GH_INPUT, "%s: holds no complete increment: %s is missing", f->name, name);
-  GH_TRY(scene_open_h5(f->ctx, f->name, name, &file));
+  GH_TRY(report_open_h5(f->ctx, f->name, name, &file));
   char last[64];
   snprintf(last, sizeof last, "/step%04d/time", f->rows - 1);
   gh_status status = gh_h5_there(file, last, &there);
@@ -137,7 +137,7 @@ gh_status gh_results_check(gh_context *ctx, const char *name) {
   free(path);
   GH_TRY(found);
   if (!there) return gh_fail(ctx, GH_INPUT, "%s: holds no results of `granhom run`", name);
-  GH_TRY(scene_run_read(ctx, name, &f.run));
+  GH_TRY(report_run_read(ctx, name, &f.run));
   gh_status status = files_check(&f);
   cJSON_Delete(f.run);
   return status;

@@ -2,8 +2,8 @@
  * GPL-2.0-or-later
  *
  * Spheres are painted from the back to the front. Replicas would hide the cell and are left out. */
-#include "granhom/finish.h"
-#include "scene/page.h"
+#include "granhom/report.h"
+#include "report/page.h"
 
 #include <stdlib.h>
 
@@ -55,7 +55,7 @@ static void corner(const double cell[9], int k, double at[3]) {
   project(x, at);
 }
 
-static void fit(scene_page *p, const gh_grains *g, const sphere *s) {
+static void fit(report_page *p, const gh_grains *g, const sphere *s) {
   double low[2] = {INFINITY, INFINITY}, high[2] = {-INFINITY, -INFINITY};
   for (int i = 0; i < g->n; i++)
     for (int k = 0; k < 2; k++) {
@@ -67,11 +67,11 @@ static void fit(scene_page *p, const gh_grains *g, const sphere *s) {
     corner(g->cell, c, at);
     for (int k = 0; k < 2; k++) low[k] = fmin(low[k], at[k]), high[k] = fmax(high[k], at[k]);
   }
-  scene_page_fit(p, low, high, 20, 20, p->width - 40, p->height - 80);
+  report_page_fit(p, low, high, 20, 20, p->width - 40, p->height - 80);
 }
 
 /* The three edges at the corner farthest from the eye are behind the grains, the others before them. */
-static void draw_edges(scene_page *p, const double cell[9], bool behind) {
+static void draw_edges(report_page *p, const double cell[9], bool behind) {
   int farthest = 0;
   double at[3], least = INFINITY;
   for (int c = 0; c < 8; c++) {
@@ -85,17 +85,17 @@ static void draw_edges(scene_page *p, const double cell[9], bool behind) {
       int d = c | 1 << a;
       if (d == c || (c == farthest || d == farthest) != behind) continue;
       corner(cell, c, at);
-      cairo_move_to(p->c, scene_px(p, at[0]), scene_py(p, at[1]));
+      cairo_move_to(p->c, report_px(p, at[0]), report_py(p, at[1]));
       corner(cell, d, at);
-      cairo_line_to(p->c, scene_px(p, at[0]), scene_py(p, at[1]));
+      cairo_line_to(p->c, report_px(p, at[0]), report_py(p, at[1]));
       cairo_stroke(p->c);
     }
 }
 
 /* Lit from above on the left. */
-static void draw_sphere(scene_page *p, const sphere *s) {
-  double x = scene_px(p, s->at[0]), y = scene_py(p, s->at[1]), r = p->scale * s->radius;
-  const double *tone = s->boundary ? scene_tone_boundary : scene_tone_inner;
+static void draw_sphere(report_page *p, const sphere *s) {
+  double x = report_px(p, s->at[0]), y = report_py(p, s->at[1]), r = p->scale * s->radius;
+  const double *tone = s->boundary ? report_tone_boundary : report_tone_inner;
   cairo_pattern_t *light = cairo_pattern_create_radial(x - 0.35 * r, y - 0.4 * r, 0.1 * r, x, y, r);
   cairo_pattern_add_color_stop_rgb(light, 0, 1 - 0.4 * (1 - tone[0]), 1 - 0.4 * (1 - tone[1]),
                                    1 - 0.4 * (1 - tone[2]));
@@ -108,7 +108,7 @@ static void draw_sphere(scene_page *p, const sphere *s) {
   cairo_pattern_destroy(light);
 }
 
-static void draw(scene_page *p, const gh_grains *g, sphere *s) {
+static void draw(report_page *p, const gh_grains *g, sphere *s) {
   char text[160];
   int boundary = 0;
   for (int i = 0; i < g->n; i++) {
@@ -125,20 +125,20 @@ static void draw(scene_page *p, const gh_grains *g, sphere *s) {
   snprintf(text, sizeof text, "%d grains (blue: %d inside, red: %d at the boundary), volume fraction %.4f",
            g->n, g->n - boundary, boundary, gh_grains_volume_fraction(g));
   cairo_set_source_rgb(p->c, 0.1, 0.1, 0.1);
-  scene_page_text(p, p->width / 2.0, p->height - 18, 15, 0.5, text);
+  report_page_text(p, p->width / 2.0, p->height - 18, 15, 0.5, text);
 }
 
 static gh_status spheres(gh_context *ctx, const gh_grains *g, const char *path) {
-  scene_page p = {0};
+  report_page p = {0};
   sphere *s;
-  GH_TRY(scene_picture_check(ctx, path));
+  GH_TRY(report_picture_check(ctx, path));
   GH_TRY(gh_alloc(ctx, (size_t)g->n, sizeof *s, &s));
-  gh_status status = scene_page_open(ctx, &p, WIDTH, HEIGHT, path);
+  gh_status status = report_page_open(ctx, &p, WIDTH, HEIGHT, path);
   if (status == GH_OK) {
     draw(&p, g, s);
-    status = scene_page_write(&p, path);
+    status = report_page_write(&p, path);
   }
-  scene_page_close(&p);
+  report_page_close(&p);
   free(s);
   return status;
 }

@@ -1,5 +1,5 @@
 /* Residual tables and where the time went. SPDX-License-Identifier: GPL-2.0-or-later */
-#include "scene/report.h"
+#include "report/report.h"
 
 #include <stdlib.h>
 

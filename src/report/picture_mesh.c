@@ -1,5 +1,5 @@
 /* The deformed mesh, coloured by the von Mises stress. SPDX-License-Identifier: GPL-2.0-or-later */
-#include "scene/page.h"
+#include "report/page.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -50,18 +50,18 @@ static gh_status mesh_data_read(gh_context *ctx, const char *folder, mesh_data *
   size_t points[2];
   gh_status status;
   *d = (mesh_data){0};
-  GH_TRY(scene_open_h5(ctx, folder, "results.h5", &file));
+  GH_TRY(report_open_h5(ctx, folder, "results.h5", &file));
   GH_TRY_OR(last_step(file, &d->last), done);
   if (d->last < 0) {
     status = gh_fail(ctx, GH_INPUT, "%s/results.h5 holds no increment", folder);
     goto done;
   }
-  GH_TRY_OR(scene_get_doubles(ctx, file, "/mesh/coordinates", &d->nnodes, 3, &d->X), done);
-  GH_TRY_OR(scene_get_ints(ctx, file, "/mesh/cells", &d->nelements, 4, &d->quad), done);
+  GH_TRY_OR(report_get_doubles(ctx, file, "/mesh/coordinates", &d->nnodes, 3, &d->X), done);
+  GH_TRY_OR(report_get_ints(ctx, file, "/mesh/cells", &d->nelements, 4, &d->quad), done);
   snprintf(name, sizeof name, "/step%04d/displacement", d->last);
-  GH_TRY_OR(scene_get_doubles(ctx, file, name, &points[0], 3, &d->u), done);
+  GH_TRY_OR(report_get_doubles(ctx, file, name, &points[0], 3, &d->u), done);
   snprintf(name, sizeof name, "/step%04d/von_mises", d->last);
-  GH_TRY_OR(scene_get_doubles(ctx, file, name, &points[1], 1, &d->mises), done);
+  GH_TRY_OR(report_get_doubles(ctx, file, name, &points[1], 1, &d->mises), done);
   snprintf(name, sizeof name, "/step%04d/time", d->last);
   GH_TRY_OR(gh_h5_get_doubles(file, name, 1, 1, &d->time), done);
   status = mesh_data_check(ctx, folder, d, points);
@@ -72,11 +72,11 @@ done:
 
 /* ---- drawing ---- */
 
-static void outline(scene_page *p, const mesh_data *d, size_t e, double factor) {
+static void outline(report_page *p, const mesh_data *d, size_t e, double factor) {
   for (int a = 0; a < 4; a++) {
     int n = d->quad[4 * e + (size_t)a];
-    double x = scene_px(p, d->X[3 * n] + factor * d->u[3 * n]),
-           y = scene_py(p, d->X[3 * n + 1] + factor * d->u[3 * n + 1]);
+    double x = report_px(p, d->X[3 * n] + factor * d->u[3 * n]),
+           y = report_py(p, d->X[3 * n + 1] + factor * d->u[3 * n + 1]);
     if (a == 0) cairo_move_to(p->c, x, y);
     else cairo_line_to(p->c, x, y);
   }
@@ -84,7 +84,7 @@ static void outline(scene_page *p, const mesh_data *d, size_t e, double factor) 
 }
 
 /* The element as small flat patches: the value is bilinear between the corners. */
-static void fill_element(scene_page *p, const mesh_data *d, size_t e, double factor, double low,
+static void fill_element(report_page *p, const mesh_data *d, size_t e, double factor, double low,
                          double high) {
   const int patches = d->nelements < 100 ? 64 : 16;
   cairo_set_antialias(p->c, CAIRO_ANTIALIAS_NONE); /* no seams between the patches */
@@ -93,7 +93,7 @@ static void fill_element(scene_page *p, const mesh_data *d, size_t e, double fac
       double rgb[3], value = 0, half = 0.5 / patches, s = (i + 0.5) / patches, t = (j + 0.5) / patches;
       double N[4] = {(1 - s) * (1 - t), s * (1 - t), s * t, (1 - s) * t};
       for (int a = 0; a < 4; a++) value += N[a] * d->mises[d->quad[4 * e + (size_t)a]];
-      scene_colour((value - low) / (high - low), rgb);
+      report_colour((value - low) / (high - low), rgb);
       cairo_set_source_rgb(p->c, rgb[0], rgb[1], rgb[2]);
       for (int k = 0; k < 4; k++) {
         double ss = s + (k == 1 || k == 2 ? half : -half) * 1.05, tt = t + (k >= 2 ? half : -half) * 1.05,
@@ -104,8 +104,8 @@ static void fill_element(scene_page *p, const mesh_data *d, size_t e, double fac
           x += M[a] * (d->X[3 * n] + factor * d->u[3 * n]);
           y += M[a] * (d->X[3 * n + 1] + factor * d->u[3 * n + 1]);
         }
-        if (k == 0) cairo_move_to(p->c, scene_px(p, x), scene_py(p, y));
-        else cairo_line_to(p->c, scene_px(p, x), scene_py(p, y));
+        if (k == 0) cairo_move_to(p->c, report_px(p, x), report_py(p, y));
+        else cairo_line_to(p->c, report_px(p, x), report_py(p, y));
       }
       cairo_close_path(p->c);
       cairo_fill(p->c);
@@ -114,14 +114,14 @@ static void fill_element(scene_page *p, const mesh_data *d, size_t e, double fac
 }
 
 /* The undeformed body. */
-static gh_status draw_body(scene_page *p, const mesh_data *d) {
+static gh_status draw_body(report_page *p, const mesh_data *d) {
   gh_mesh_edge *edges;
   int count;
   GH_TRY(gh_mesh_boundary_edges(p->ctx, (int)d->nelements, (const int(*)[4])d->quad, &edges, &count));
   for (int k = 0; k < count; k++) {
     int a = edges[k].a, b = edges[k].b;
-    cairo_move_to(p->c, scene_px(p, d->X[3 * a]), scene_py(p, d->X[3 * a + 1]));
-    cairo_line_to(p->c, scene_px(p, d->X[3 * b]), scene_py(p, d->X[3 * b + 1]));
+    cairo_move_to(p->c, report_px(p, d->X[3 * a]), report_py(p, d->X[3 * a + 1]));
+    cairo_line_to(p->c, report_px(p, d->X[3 * b]), report_py(p, d->X[3 * b + 1]));
   }
   cairo_stroke(p->c);
   free(edges);
@@ -129,29 +129,29 @@ static gh_status draw_body(scene_page *p, const mesh_data *d) {
 }
 
 /* Coordinates of the undeformed body along the lower and the left side. */
-static void draw_axes(scene_page *p, const double low[2], const double high[2], const char *unit) {
+static void draw_axes(report_page *p, const double low[2], const double high[2], const char *unit) {
   double bottom = p->height - 75, left = 85;
   char text[160];
   for (int i = 0; i < 2; i++) {
-    double step = scene_tick_step(high[i] - low[i]);
+    double step = report_tick_step(high[i] - low[i]);
     for (double v = ceil(low[i] / step - 1e-9) * step; v <= high[i] + 1e-9 * step; v += step) {
       snprintf(text, sizeof text, "%.6g", fabs(v) < 1e-9 * step ? 0 : v);
-      double x = i ? left : scene_px(p, v), y = i ? scene_py(p, v) : bottom;
+      double x = i ? left : report_px(p, v), y = i ? report_py(p, v) : bottom;
       cairo_move_to(p->c, x, y);
       cairo_line_to(p->c, x - (i ? 5 : 0), y + (i ? 0 : 5));
       cairo_stroke(p->c);
-      scene_page_text(p, i ? x - 10 : x, i ? y + 5 : y + 22, 14, i ? 1 : 0.5, text);
+      report_page_text(p, i ? x - 10 : x, i ? y + 5 : y + 22, 14, i ? 1 : 0.5, text);
     }
-    cairo_move_to(p->c, i ? left : scene_px(p, low[0]), i ? scene_py(p, low[1]) : bottom);
-    cairo_line_to(p->c, i ? left : scene_px(p, high[0]), i ? scene_py(p, high[1]) : bottom);
+    cairo_move_to(p->c, i ? left : report_px(p, low[0]), i ? report_py(p, low[1]) : bottom);
+    cairo_line_to(p->c, i ? left : report_px(p, high[0]), i ? report_py(p, high[1]) : bottom);
     cairo_stroke(p->c);
   }
-  scene_page_text(p, 0.5 * (scene_px(p, low[0]) + scene_px(p, high[0])), bottom + 48, 16, 0.5,
-                  scene_label(text, "x", unit));
+  report_page_text(p, 0.5 * (report_px(p, low[0]) + report_px(p, high[0])), bottom + 48, 16, 0.5,
+                   report_label(text, "x", unit));
   cairo_save(p->c);
-  cairo_translate(p->c, 32, 0.5 * (scene_py(p, low[1]) + scene_py(p, high[1])));
+  cairo_translate(p->c, 32, 0.5 * (report_py(p, low[1]) + report_py(p, high[1])));
   cairo_rotate(p->c, -acos(-1) / 2);
-  scene_page_text(p, 0, 0, 16, 0.5, scene_label(text, "y", unit));
+  report_page_text(p, 0, 0, 16, 0.5, report_label(text, "y", unit));
   cairo_restore(p->c);
 }
 
@@ -182,14 +182,14 @@ static void box(const mesh_data *d, double factor, double low[2], double high[2]
     }
 }
 
-static gh_status draw_mesh(scene_page *p, const mesh_data *d, const scene_labels *l) {
+static gh_status draw_mesh(report_page *p, const mesh_data *d, const report_labels *l) {
   double low[2], high[2], drawn_low[2], drawn_high[2], from, to;
   box(d, 0, low, high);
   double factor = enlargement(d, (double[2]){high[0] - low[0], high[1] - low[1]});
   box(d, factor, drawn_low, drawn_high);
   for (int i = 0; i < 2; i++)
     drawn_low[i] = fmin(low[i], drawn_low[i]), drawn_high[i] = fmax(high[i], drawn_high[i]);
-  scene_page_fit(p, drawn_low, drawn_high, 95, 90, p->width - 285, p->height - 175);
+  report_page_fit(p, drawn_low, drawn_high, 95, 90, p->width - 285, p->height - 175);
   range(d->mises, d->nnodes, &from, &to);
   for (size_t e = 0; e < d->nelements; e++) fill_element(p, d, e, factor, from, to);
   cairo_set_source_rgba(p->c, 1, 1, 1, 0.8);
@@ -204,27 +204,27 @@ static gh_status draw_mesh(scene_page *p, const mesh_data *d, const scene_labels
   char text[256], name[160];
   cairo_set_source_rgb(p->c, 0.1, 0.1, 0.1);
   draw_axes(p, low, high, l->length);
-  scene_page_text(p, 40, 36, 20, 0, *l->title ? l->title : "Deformed mesh");
+  report_page_text(p, 40, 36, 20, 0, *l->title ? l->title : "Deformed mesh");
   if (factor == 1) snprintf(text, sizeof text, "increment %d; dashed: undeformed", d->last);
   else
     snprintf(text, sizeof text, "increment %d, displacements drawn %g times as large; dashed: undeformed",
              d->last, factor);
-  scene_page_text(p, 40, 62, 15, 0, text);
-  scene_colour_bar(p, from, to, scene_label(name, "von Mises stress", l->stress));
+  report_page_text(p, 40, 62, 15, 0, text);
+  report_colour_bar(p, from, to, report_label(name, "von Mises stress", l->stress));
   return GH_OK;
 }
 
 gh_status gh_picture_mesh(gh_context *ctx, const char *folder, const char *png) {
   mesh_data d;
-  scene_page p;
-  scene_labels l;
-  GH_TRY(scene_labels_read(ctx, folder, &l));
+  report_page p;
+  report_labels l;
+  GH_TRY(report_labels_read(ctx, folder, &l));
   gh_status status = mesh_data_read(ctx, folder, &d);
   if (status == GH_OK) {
-    status = scene_page_open(ctx, &p, 1000, 800, png ? png : "mesh.png");
+    status = report_page_open(ctx, &p, 1000, 800, png ? png : "mesh.png");
     if (status == GH_OK) status = draw_mesh(&p, &d, &l);
-    if (status == GH_OK && png) status = scene_page_write(&p, png);
-    scene_page_close(&p);
+    if (status == GH_OK && png) status = report_page_write(&p, png);
+    report_page_close(&p);
   }
   mesh_data_free(&d);
   return status;

@@ -1,5 +1,5 @@
 /* From a hard packing to soft grains in equilibrium. SPDX-License-Identifier: GPL-2.0-or-later */
-#include "scene/finish.h"
+#include "prepare/finish.h"
 
 #include <stdlib.h>
 #include <string.h>

@@ -1,6 +1,6 @@
 /* Curves of a run, drawn by gnuplot. SPDX-License-Identifier: GPL-2.0-or-later */
-#include "scene/gnuplot.h"
-#include "scene/report.h"
+#include "report/gnuplot.h"
+#include "report/report.h"
 
 #include <stdlib.h>
 
@@ -18,22 +18,22 @@ static gh_status drawing_begin(gh_context *ctx, int width, int height, gh_text *
 /* Draws when all went well so far and there is a file to draw into, and frees. */
 static gh_status drawing_end(gh_context *ctx, gh_text **out, const char *png, gh_status status) {
   if (status == GH_OK) status = gh_text_check(*out);
-  if (status == GH_OK && png) status = scene_gnuplot(ctx, gh_text_get(*out, NULL), png);
+  if (status == GH_OK && png) status = report_gnuplot(ctx, gh_text_get(*out, NULL), png);
   gh_text_destroy(out);
   return status;
 }
 
 /* ---- curves.png ---- */
 
-static void write_data(gh_text *out, const scene_table *h, const scene_curve *c) {
+static void write_data(gh_text *out, const report_table *h, const report_curve *c) {
   gh_text_print(out, "$data << EOD\n");
   for (int k = c->first; k < h->nrows; k++)
-    gh_text_print(out, "%.17g %.17g %.17g\n", c->sign * scene_table_number(h, k, c->x),
-                  fabs(scene_table_number(h, k, c->force)), scene_table_number(h, k, c->dilatancy));
+    gh_text_print(out, "%.17g %.17g %.17g\n", c->sign * report_table_number(h, k, c->x),
+                  fabs(report_table_number(h, k, c->force)), report_table_number(h, k, c->dilatancy));
   gh_text_print(out, "EOD\n");
 }
 
-static void write_curves(gh_text *out, const scene_table *h, const scene_curve *c, const scene_labels *l) {
+static void write_curves(gh_text *out, const report_table *h, const report_curve *c, const report_labels *l) {
   bool two = c->force >= 0;
   write_data(out, h, c);
   gh_text_print(out, "set multiplot layout %d,1 title ", two ? 2 : 1);
@@ -52,17 +52,17 @@ static void write_curves(gh_text *out, const scene_table *h, const scene_curve *
 }
 
 gh_status gh_picture_curves(gh_context *ctx, const char *folder, const char *png) {
-  scene_table h;
-  scene_labels l;
-  scene_curve c = {0};
+  report_table h;
+  report_labels l;
+  report_curve c = {0};
   gh_text *out = NULL;
-  GH_TRY(scene_labels_read(ctx, folder, &l));
-  gh_status status = scene_table_read(ctx, folder, "history.csv", &h);
-  if (status == GH_OK) status = scene_curve_choose(ctx, &h, &l, &c);
+  GH_TRY(report_labels_read(ctx, folder, &l));
+  gh_status status = report_table_read(ctx, folder, "history.csv", &h);
+  if (status == GH_OK) status = report_curve_choose(ctx, &h, &l, &c);
   if (status == GH_OK) status = drawing_begin(ctx, 800, 900, &out);
   if (status == GH_OK) write_curves(out, &h, &c, &l);
   status = drawing_end(ctx, &out, png, status);
-  scene_table_free(&h);
+  report_table_free(&h);
   return status;
 }
 
@@ -71,7 +71,7 @@ gh_status gh_picture_curves(gh_context *ctx, const char *folder, const char *png
 enum { MOST_CURVES = 6 };
 
 /* One curve per increment, broken where a cut or a jump starts the iteration anew. */
-static void write_residuals(gh_text *out, const gh_csv *csv, const scene_labels *l) {
+static void write_residuals(gh_text *out, const gh_csv *csv, const report_labels *l) {
   int step = gh_csv_find(csv, "step"), relative = gh_csv_find(csv, "relative"),
       iteration = gh_csv_find(csv, "iteration");
   int last = (int)csv->value[(csv->nrows - 1) * csv->ncols + step], first = last - MOST_CURVES + 1;
@@ -105,12 +105,12 @@ static void write_residuals(gh_text *out, const gh_csv *csv, const scene_labels 
 
 gh_status gh_picture_convergence(gh_context *ctx, const char *folder, const char *png) {
   gh_csv *csv = NULL;
-  scene_labels l;
+  report_labels l;
   gh_text *out = NULL;
   char *path = gh_path_join(folder, "convergence.csv");
   gh_status status =
-      path ? scene_residuals_read(ctx, path, &csv) : gh_fail(ctx, GH_MEMORY, "no memory for a path");
-  if (status == GH_OK) status = scene_labels_read(ctx, folder, &l);
+      path ? report_residuals_read(ctx, path, &csv) : gh_fail(ctx, GH_MEMORY, "no memory for a path");
+  if (status == GH_OK) status = report_labels_read(ctx, folder, &l);
   if (status == GH_OK) status = drawing_begin(ctx, 900, 560, &out);
   if (status == GH_OK) write_residuals(out, csv, &l);
   status = drawing_end(ctx, &out, png, status);

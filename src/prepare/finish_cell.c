@@ -6,7 +6,7 @@
  * the enthalpy: the end is a minimum also where the packing rearranges on the way. At a minimum a(x)N : A :
  * a(x)N >= 0 for all a, N, for det F does not curve along a(x)N: no acoustic tensor has a negative
  * eigenvalue. */
-#include "scene/finish.h"
+#include "prepare/finish.h"
 
 #include <string.h>
 

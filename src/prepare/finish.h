@@ -1,6 +1,6 @@
 /* What the files of the finish share. SPDX-License-Identifier: GPL-2.0-or-later */
-#ifndef GRANHOM_SCENE_FINISH_H
-#define GRANHOM_SCENE_FINISH_H
+#ifndef GRANHOM_PREPARE_FINISH_H
+#define GRANHOM_PREPARE_FINISH_H
 
 #include "granhom/finish.h"
 

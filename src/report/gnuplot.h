@@ -1,12 +1,12 @@
 /* Runs gnuplot. SPDX-License-Identifier: GPL-2.0-or-later */
-#ifndef GRANHOM_SCENE_GNUPLOT_H
-#define GRANHOM_SCENE_GNUPLOT_H
+#ifndef GRANHOM_REPORT_GNUPLOT_H
+#define GRANHOM_REPORT_GNUPLOT_H
 
-#include "granhom/scene.h"
+#include "granhom/report.h"
 
 /* Draws `png`, which appears whole or not at all; the script sets a terminal and no output. Texts of a user's
  * are in it by gh_picture_string alone: a script with a shell command in it is refused. GH_SYSTEM: gnuplot is
  * not installed, it failed (with its last message), the picture cannot be written. */
-gh_status scene_gnuplot(gh_context *ctx, const char *script, const char *png);
+gh_status report_gnuplot(gh_context *ctx, const char *script, const char *png);
 
 #endif

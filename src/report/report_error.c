@@ -1,5 +1,5 @@
 /* What a run knows of its error, over increments and over time. SPDX-License-Identifier: GPL-2.0-or-later */
-#include "scene/report.h"
+#include "report/report.h"
 
 #include <stdlib.h>
 
@@ -12,17 +12,17 @@ static double estimate(const report *r, const char *name) {
 }
 
 gh_status report_seconds(report *r, double *seconds) {
-  scene_table t = {0};
+  report_table t = {0};
   char *path = gh_path_join(r->folder, "timing.csv");
   if (!path) return gh_fail(r->ctx, GH_MEMORY, "no memory for a path");
   bool there = false;
   gh_status status = gh_file_there(r->ctx, path, &there);
   free(path);
-  if (there) status = scene_table_read(r->ctx, r->folder, "timing.csv", &t);
-  const int column = there && status == GH_OK ? scene_table_column(&t, "seconds") : -1;
+  if (there) status = report_table_read(r->ctx, r->folder, "timing.csv", &t);
+  const int column = there && status == GH_OK ? report_table_column(&t, "seconds") : -1;
   for (int k = 0; k < r->n; k++)
-    seconds[k] = column >= 0 && k < t.nrows ? scene_table_number(&t, k, column) : NAN;
-  scene_table_free(&t);
+    seconds[k] = column >= 0 && k < t.nrows ? report_table_number(&t, k, column) : NAN;
+  report_table_free(&t);
   return status;
 }
 
@@ -54,7 +54,7 @@ static gh_status take(report *r, errors *e) {
     e->branch[k] = report_history(r, k, "branched") > 0 ? report_history(r, k, "estimate_growth") : NAN;
     for (int j = 0; j < ESTIMATES; j++) e->estimate[j][k] = report_history(r, k, columns[j]);
   }
-  e->estimated = scene_table_column(&r->history, columns[0]) >= 0;
+  e->estimated = report_table_column(&r->history, columns[0]) >= 0;
   return GH_OK;
 }
 
@@ -150,7 +150,7 @@ gh_status report_error(report *r) {
     tell_defects(r);
     tell_estimate(r, &e);
     gh_text_print(r->out, "<div class=\"grid\">\n");
-    if (scene_table_column(&r->history, "energy_defect") >= 0) draw_defect(r, &e);
+    if (report_table_column(&r->history, "energy_defect") >= 0) draw_defect(r, &e);
     if (e.estimated) {
       draw_estimates(r, &e);
       draw_time(r, &e);

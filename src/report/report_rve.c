@@ -1,6 +1,6 @@
 /* Packings of chosen points: force network, density functions, traces. SPDX-License-Identifier:
  * GPL-2.0-or-later */
-#include "scene/report.h"
+#include "report/report.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -27,7 +27,7 @@ static void corner(const double cell[4], const double low[2], int k, double x[2]
   x[0] += low[0], x[1] += low[1];
 }
 
-static void view_fit(view *v, const scene_rve *d, double margin) {
+static void view_fit(view *v, const report_rve *d, double margin) {
   *v = (view){.low = {INFINITY, INFINITY}, .high = {-INFINITY, -INFINITY}};
   for (int k = 0; k < 4; k++) {
     double x[2];
@@ -53,7 +53,7 @@ static bool on_page(const view *v, const double x[2], double radius) {
          x[1] - radius < v->high[1];
 }
 
-static double largest_radius(const scene_rve *d) {
+static double largest_radius(const report_rve *d) {
   double radius = 0;
   for (size_t n = 0; n < d->n; n++) radius = fmax(radius, d->radius[n]);
   return radius;
@@ -81,11 +81,11 @@ static void print_cell(gh_text *out, const view *v, const double cell[4], const 
 
 /* All grains, and in a periodic cell their images that reach into the page. Rattlers are outlines, replicas
  * and images lighter. */
-static void print_grains(gh_text *out, const view *v, const scene_rve *d) {
+static void print_grains(gh_text *out, const view *v, const report_rve *d) {
   for (size_t n = 0; n < d->n; n++) {
     double shift[2];
     int images = d->periodic ? 1 : 0;
-    scene_rve_home(d, d->x + 2 * n, shift);
+    report_rve_home(d, d->x + 2 * n, shift);
     for (int i = -images; i <= images; i++)
       for (int j = -images; j <= images; j++) {
         double x[2];
@@ -99,11 +99,11 @@ static void print_grains(gh_text *out, const view *v, const scene_rve *d) {
   }
 }
 
-static double force_of(const scene_rve *d, size_t k) {
+static double force_of(const report_rve *d, size_t k) {
   return hypot(d->contact[4 * k + 2], d->contact[4 * k + 3]);
 }
 
-static double largest_force(const scene_rve *d) {
+static double largest_force(const report_rve *d) {
   double most = 0;
   for (size_t k = 0; k < d->ncontacts; k++) most = fmax(most, force_of(d, k));
   return most;
@@ -116,12 +116,12 @@ static void print_branch(gh_text *out, const view *v, const double a[2], const d
 
 /* The force of contact k from centre to centre; one that crosses the frame of a periodic cell also from its
  * other grain. */
-static void print_force(gh_text *out, const view *v, const scene_rve *d, size_t k) {
+static void print_force(gh_text *out, const view *v, const report_rve *d, size_t k) {
   const double *l = d->contact + 4 * k;
   double end[2][2], off = 0;
   for (int e = 0; e < 2; e++) {
     const double *x = d->x + 2 * d->pairs[2 * k + (size_t)e];
-    scene_rve_home(d, x, end[e]);
+    report_rve_home(d, x, end[e]);
     for (int i = 0; i < 2; i++) end[e][i] += x[i];
   }
   for (int i = 0; i < 2; i++) off = fmax(off, fabs(end[0][i] + l[i] - end[1][i]));
@@ -130,7 +130,7 @@ static void print_force(gh_text *out, const view *v, const scene_rve *d, size_t 
 }
 
 /* Lines of about the same width are one path. */
-static void print_level(gh_text *out, const view *v, const scene_rve *d, int level, bool sliding,
+static void print_level(gh_text *out, const view *v, const report_rve *d, int level, bool sliding,
                         double most) {
   bool any = false;
   for (size_t k = 0; k < d->ncontacts; k++) {
@@ -143,7 +143,7 @@ static void print_level(gh_text *out, const view *v, const scene_rve *d, int lev
   if (any) gh_text_print(out, "\"/>");
 }
 
-static void print_forces(gh_text *out, const view *v, const scene_rve *d) {
+static void print_forces(gh_text *out, const view *v, const report_rve *d) {
   double most = largest_force(d);
   gh_text_print(out, "<g class=\"fc\">");
   for (int level = 0; level < LEVELS; level++) print_level(out, v, d, level, false, most);
@@ -162,7 +162,7 @@ static void print_length(report *r) {
   report_escape(r->out, r->labels.length);
 }
 
-static void draw_network(report *r, const scene_rve *d) {
+static void draw_network(report *r, const report_rve *d) {
   view v;
   view_fit(&v, d, 1.1 * largest_radius(d));
   view_end(&v);
@@ -183,7 +183,7 @@ static void draw_network(report *r, const scene_rve *d) {
   gh_text_print(r->out, ".</p></figure>\n");
 }
 
-static gh_status draw_densities(report *r, const scene_rve *d) {
+static gh_status draw_densities(report *r, const report_rve *d) {
   double *memory, contacts[ANGLES], forces[ANGLES];
   GH_TRY(gh_alloc(r->ctx, 3 * d->ncontacts, sizeof *memory, &memory));
   double *weight = memory + 2 * d->ncontacts;
@@ -200,14 +200,14 @@ static gh_status draw_densities(report *r, const scene_rve *d) {
 }
 
 /* The primary grains, which come first. */
-static size_t primaries(const scene_rve *d) {
+static size_t primaries(const report_rve *d) {
   size_t n = 0;
   while (n < d->n && !(d->flags[n] & REPLICA)) n++;
   return n;
 }
 
 /* Positions of a point's primary grains at increment k; *x NULL when they are not recorded. */
-static gh_status trace_at(report *r, const scene_rve *d, int k, double **x) {
+static gh_status trace_at(report *r, const report_rve *d, int k, double **x) {
   char name[64];
   size_t rows, cols;
   bool there = false;
@@ -224,7 +224,7 @@ static gh_status trace_at(report *r, const scene_rve *d, int k, double **x) {
 }
 
 /* Cell at increment k: F_k F^-1 (last cell). */
-static gh_status cell_at(report *r, const scene_rve *d, int k, double cell[4], double low[2]) {
+static gh_status cell_at(report *r, const report_rve *d, int k, double cell[4], double low[2]) {
   double *F, last[4], first[4];
   size_t np = (size_t)r->np;
   GH_TRY(report_field(r, d->step, "points/F", np, 4, &F));
@@ -250,7 +250,7 @@ static void traces_free(traces *t) {
 }
 
 /* At most LONGEST_TRACE of the increments, the first and the last among them. */
-static gh_status read_traces(report *r, const scene_rve *d, traces *t) {
+static gh_status read_traces(report *r, const report_rve *d, traces *t) {
   int steps = d->step < LONGEST_TRACE ? d->step : LONGEST_TRACE;
   for (int k = 0; k <= steps; k++) {
     double *x;
@@ -263,7 +263,7 @@ static gh_status read_traces(report *r, const scene_rve *d, traces *t) {
 
 /* The longest way from the start is drawn as long as about the largest radius: 1, 2 or 5 times a power of
  * ten. */
-static double enlargement(const scene_rve *d, const traces *t) {
+static double enlargement(const report_rve *d, const traces *t) {
   double most = 0;
   for (int k = 0; k < t->n; k++)
     for (size_t n = 0; n < 2 * primaries(d); n++) most = fmax(most, fabs(t->x[k][n] - d->x[n]));
@@ -273,10 +273,10 @@ static double enlargement(const scene_rve *d, const traces *t) {
   return power * (x < 2 ? 1 : x < 5 ? 2 : 5);
 }
 
-static void print_trace(gh_text *out, const view *v, const scene_rve *d, const traces *t, double factor,
+static void print_trace(gh_text *out, const view *v, const report_rve *d, const traces *t, double factor,
                         size_t grain) {
   double shift[2];
-  scene_rve_home(d, d->x + 2 * grain, shift);
+  report_rve_home(d, d->x + 2 * grain, shift);
   for (int k = 0; k < t->n; k++) {
     double x[2];
     for (size_t i = 0; i < 2; i++) {
@@ -287,17 +287,17 @@ static void print_trace(gh_text *out, const view *v, const scene_rve *d, const t
   }
 }
 
-static void print_dots(gh_text *out, const view *v, const scene_rve *d) {
+static void print_dots(gh_text *out, const view *v, const report_rve *d) {
   for (size_t n = 0; n < primaries(d); n++) {
     double shift[2];
-    scene_rve_home(d, d->x + 2 * n, shift);
+    report_rve_home(d, d->x + 2 * n, shift);
     gh_text_print(out, "<circle class=\"dot\" cx=\"%.0f\" cy=\"%.0f\" r=\"5\"/>",
                   px(v, d->x[2 * n] + shift[0]), py(v, d->x[2 * n + 1] + shift[1]));
   }
 }
 
 /* cell, low: at the start. */
-static void print_traces(report *r, const scene_rve *d, const traces *t, double cell[4], double low[2]) {
+static void print_traces(report *r, const report_rve *d, const traces *t, double cell[4], double low[2]) {
   view v;
   double factor = enlargement(d, t);
   for (int k = 0; k < 4; k++) cell[k] = d->cell[k] + factor * (cell[k] - d->cell[k]);
@@ -322,7 +322,7 @@ static void print_traces(report *r, const scene_rve *d, const traces *t, double 
   gh_text_print(r->out, ". Orange: the cell now, dashed: at the start.</p></figure>\n");
 }
 
-static gh_status draw_traces(report *r, const scene_rve *d) {
+static gh_status draw_traces(report *r, const report_rve *d) {
   traces t = {0};
   double cell[4], low[2];
   gh_status status = read_traces(r, d, &t);
@@ -378,8 +378,8 @@ static void print_head(report *r, int point) {
 }
 
 static gh_status draw_point(report *r, int point) {
-  scene_rve d = {0};
-  gh_status status = scene_rve_read(r->ctx, r->rves, point, &d);
+  report_rve d = {0};
+  gh_status status = report_rve_read(r->ctx, r->rves, point, &d);
   if (status == GH_OK && (d.step < 0 || d.step > r->n))
     status = gh_fail(r->ctx, GH_INPUT, "%s/rves.h5 is of increment %d, results.h5 ends with %d", r->folder,
                      d.step, r->n - 1);
@@ -391,7 +391,7 @@ static gh_status draw_point(report *r, int point) {
     if (status == GH_OK) status = draw_traces(r, &d);
     gh_text_print(r->out, "</div>\n");
   }
-  scene_rve_free(&d);
+  report_rve_free(&d);
   return status;
 }
 
@@ -410,7 +410,7 @@ gh_status report_packings(report *r) {
   }
   for (int k = 0; k < r->npoints; k++) {
     bool recorded;
-    GH_TRY(scene_rve_recorded(r->rves, r->points[k], &recorded));
+    GH_TRY(report_rve_recorded(r->rves, r->points[k], &recorded));
     if (recorded) GH_TRY(draw_point(r, r->points[k]));
     else {
       print_head(r, r->points[k]);

@@ -1,5 +1,5 @@
 /* Charts of the report as SVG text. SPDX-License-Identifier: GPL-2.0-or-later */
-#include "scene/report.h"
+#include "report/report.h"
 
 #include <string.h>
 
@@ -87,7 +87,7 @@ static const char *tick_label(char text[48], double v, double step) {
 }
 
 static void print_ticks(gh_text *out, const axes *a, int i) {
-  double range = a->high[i] - a->low[i], step = scene_tick_step(range);
+  double range = a->high[i] - a->low[i], step = report_tick_step(range);
   bool powers = i && a->log_y;
   char text[96];
   if (powers) step = fmax(1, round(range / 5));

@@ -1,5 +1,5 @@
 /* The curves of the report. SPDX-License-Identifier: GPL-2.0-or-later */
-#include "scene/report.h"
+#include "report/report.h"
 
 #include <stdlib.h>
 
@@ -12,7 +12,7 @@ typedef struct columns {
 } columns;
 
 static gh_status take_columns(report *r, columns *c) {
-  const scene_table *h = &r->history;
+  const report_table *h = &r->history;
   size_t n = (size_t)r->n;
   *c = (columns){.n = r->n, .first = r->curve.first};
   GH_TRY(gh_alloc(r->ctx, 2 * n, sizeof *c->mark, &c->mark));
@@ -22,9 +22,9 @@ static gh_status take_columns(report *r, columns *c) {
                          &c->iterations, &c->residual, &c->acoustic};
   for (size_t k = 0; k < 7; k++) *at[k] = c->memory + k * n;
   for (int k = 0; k < r->n; k++) {
-    c->x[k] = r->curve.sign * scene_table_number(h, k, r->curve.x);
-    c->force[k] = r->curve.force < 0 ? NAN : fabs(scene_table_number(h, k, r->curve.force));
-    c->dilatancy[k] = scene_table_number(h, k, r->curve.dilatancy);
+    c->x[k] = r->curve.sign * report_table_number(h, k, r->curve.x);
+    c->force[k] = r->curve.force < 0 ? NAN : fabs(report_table_number(h, k, r->curve.force));
+    c->dilatancy[k] = report_table_number(h, k, r->curve.dilatancy);
     c->increment[k] = k;
     c->iterations[k] = report_history(r, k, "iterations");
     c->acoustic[k] = report_history(r, k, "min_acoustic");
@@ -82,7 +82,8 @@ static void draw_stability(report *r, const columns *c) {
   char label[160];
   report_chart chart = {.title = "Smallest acoustic eigenvalue of all points",
                         .x_label = "increment",
-                        .y_label = scene_label(label, "at or below 0: ellipticity is lost", r->labels.stress),
+                        .y_label =
+                            report_label(label, "at or below 0: ellipticity is lost", r->labels.stress),
                         .line = NAN,
                         .zero = true,
                         .nseries = 1,
@@ -171,8 +172,8 @@ static gh_status draw_paths(report *r) {
   char p[160], q[160];
   gh_status status = take_paths(r, &t);
   if (status == GH_OK) {
-    scene_label(p, "mean pressure \xe2\x88\x92(s11+s22)/2", r->labels.stress);
-    scene_label(q, "shear stress (s_I\xe2\x88\x92s_II)/2", r->labels.stress);
+    report_label(p, "mean pressure \xe2\x88\x92(s11+s22)/2", r->labels.stress);
+    report_label(q, "shear stress (s_I\xe2\x88\x92s_II)/2", r->labels.stress);
     draw_points(r, &t, "Stress paths of the chosen points", p, t.p, q, t.q, true);
     draw_points(r, &t, "Coordination number", "increment", t.increment,
                 "contacts of a grain that is no rattler", t.coordination, false);
@@ -199,16 +200,16 @@ static int table_columns(const report *r, int column[MOST_COLUMNS]) {
   if (r->curve.force >= 0) column[n++] = r->curve.force;
   column[n++] = r->curve.dilatancy;
   for (size_t j = 0; j < sizeof more / sizeof *more; j++) {
-    int c = scene_table_column(&r->history, more[j]);
+    int c = report_table_column(&r->history, more[j]);
     if (c >= 0) column[n++] = c;
   }
   return n;
 }
 
 static void print_table(report *r) {
-  const scene_table *h = &r->history;
+  const report_table *h = &r->history;
   gh_text *out = r->out;
-  int column[MOST_COLUMNS], n = table_columns(r, column), name = scene_table_column(h, "name");
+  int column[MOST_COLUMNS], n = table_columns(r, column), name = report_table_column(h, "name");
   gh_text_print(out, "<details><summary>The numbers of these curves</summary><div class=\"scroll\" "
                      "tabindex=\"0\"><table id=\"history\">"
                      "<thead><tr><th>increment</th><th class=\"left\">step</th>");
@@ -220,9 +221,9 @@ static void print_table(report *r) {
   gh_text_print(out, "</tr></thead><tbody>\n");
   for (int k = 0; k < r->n; k++) {
     gh_text_print(out, "<tr><td>%d</td><td class=\"left\">", k);
-    report_escape(out, scene_table_text(h, k, name));
+    report_escape(out, report_table_text(h, k, name));
     gh_text_print(out, "</td>");
-    for (int j = 0; j < n; j++) gh_text_print(out, "<td>%.6g</td>", scene_table_number(h, k, column[j]));
+    for (int j = 0; j < n; j++) gh_text_print(out, "<td>%.6g</td>", report_table_number(h, k, column[j]));
     gh_text_print(out, "</tr>\n");
   }
   gh_text_print(out, "</tbody></table></div></details>\n");

@@ -4,7 +4,7 @@
  * Small pure shears in steps, each settled again to the wanted overlap or pressure. Shortening along the
  * major axis of the fabric adds contacts there and raises the anisotropy; shortening across it lowers it. The
  * step is halved when the anisotropy has passed the wanted one. */
-#include "scene/finish.h"
+#include "prepare/finish.h"
 
 #include <string.h>
 

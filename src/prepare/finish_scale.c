@@ -5,7 +5,7 @@
  * the value lies above the target, then it grows by secants. A trial that falls short, unjams or finds no
  * equilibrium is dropped and bounds the step. A packing that rearranges jumps over the target; then the state
  * below the jump is taken and compressed anew. */
-#include "scene/finish.h"
+#include "prepare/finish.h"
 
 static const double longest_step = 0.01;            /* of the cell's size, at once */
 enum { MOST_EVALUATIONS = 2000, MOST_ROUNDS = 50 }; /* of one call */

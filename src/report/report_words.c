@@ -1,5 +1,5 @@
 /* What came out and what was computed, in words. SPDX-License-Identifier: GPL-2.0-or-later */
-#include "scene/report.h"
+#include "report/report.h"
 
 #include <string.h>
 

@@ -2,10 +2,10 @@
  *
  * The page is text in `out`. Colours are CSS variables (report_style.c), so that it follows the reader's
  * light or dark setting; fields on the mesh keep their colours. */
-#ifndef GRANHOM_SCENE_REPORT_H
-#define GRANHOM_SCENE_REPORT_H
+#ifndef GRANHOM_REPORT_REPORT_H
+#define GRANHOM_REPORT_REPORT_H
 
-#include "scene/page.h"
+#include "report/page.h"
 
 #include <cjson/cJSON.h>
 
@@ -17,9 +17,9 @@ typedef struct report {
   const char *folder;
   gh_text *out;
   cJSON *run;
-  scene_labels labels;
-  scene_table history;
-  scene_curve curve;
+  report_labels labels;
+  report_table history;
+  report_curve curve;
   gh_csv *convergence;
   gh_h5 *results, *rves, *traces; /* the last two may be NULL */
   gh_mesh mesh;                   /* nodes and quadrilaterals alone */
@@ -39,13 +39,13 @@ typedef struct report {
 
 /* run.json as a document, which the caller deletes. GH_INPUT with its name where it is missing, cut off, or
  * no object. */
-gh_status scene_run_read(gh_context *ctx, const char *folder, cJSON **root);
-gh_status scene_labels_of(gh_context *ctx, const char *folder, const cJSON *root, scene_labels *labels);
+gh_status report_run_read(gh_context *ctx, const char *folder, cJSON **root);
+gh_status report_labels_of(gh_context *ctx, const char *folder, const cJSON *root, report_labels *labels);
 
 /* ---- check.c ---- */
 
 /* convergence.csv with the columns step, iteration, relative and a row at least; GH_INPUT: cut off. */
-gh_status scene_residuals_read(gh_context *ctx, const char *path, gh_csv **csv);
+gh_status report_residuals_read(gh_context *ctx, const char *path, gh_csv **csv);
 
 /* ---- report_data.c ---- */
 

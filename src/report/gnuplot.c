@@ -2,7 +2,7 @@
  * its program: it reads the script from standard input and writes the picture to standard output, both of
  * them temporary files without a name. SPDX-License-Identifier: GPL-2.0-or-later */
 #define _GNU_SOURCE 1 /* environ */
-#include "scene/gnuplot.h"
+#include "report/gnuplot.h"
 
 #include "io/file.h"
 
@@ -141,7 +141,7 @@ static gh_status child_draw(gh_context *ctx, child *c, const char *png) {
   return failed(ctx, c, png, WIFEXITED(code) ? WEXITSTATUS(code) : -1);
 }
 
-gh_status scene_gnuplot(gh_context *ctx, const char *script, const char *png) {
+gh_status report_gnuplot(gh_context *ctx, const char *script, const char *png) {
   child c = {0};
   GH_TRY(script_check(ctx, script, png));
   gh_status status = child_open(ctx, script, png, &c);

@@ -1,12 +1,12 @@
 /* history.csv as it was written: a table with words in it, and which of its columns make the curves.
  * SPDX-License-Identifier: GPL-2.0-or-later */
 #include "io/file.h"
-#include "scene/page.h"
+#include "report/page.h"
 
 #include <stdlib.h>
 #include <string.h>
 
-void scene_table_free(scene_table *t) {
+void report_table_free(report_table *t) {
   free(t->text);
   free(t->cell);
   free(t->name);
@@ -31,7 +31,7 @@ static int count(const char *text, char c) {
   return n;
 }
 
-static gh_status read_rows(gh_context *ctx, const char *path, scene_table *t) {
+static gh_status read_rows(gh_context *ctx, const char *path, report_table *t) {
   size_t length = strlen(t->text);
   if (length == 0 || t->text[length - 1] != '\n')
     return gh_fail(ctx, GH_INPUT, "%s: the last line is cut off", path);
@@ -55,8 +55,8 @@ static gh_status read_rows(gh_context *ctx, const char *path, scene_table *t) {
   return GH_OK;
 }
 
-gh_status scene_table_read(gh_context *ctx, const char *folder, const char *file, scene_table *t) {
-  *t = (scene_table){0};
+gh_status report_table_read(gh_context *ctx, const char *folder, const char *file, report_table *t) {
+  *t = (report_table){0};
   t->path = gh_path_join(folder, file);
   if (!t->path) return gh_fail(ctx, GH_MEMORY, "no memory for a path");
   GH_TRY(gh_file_text(ctx, t->path, &t->text));
@@ -64,30 +64,30 @@ gh_status scene_table_read(gh_context *ctx, const char *folder, const char *file
   return t->nrows > 0 ? GH_OK : gh_fail(ctx, GH_INPUT, "%s: holds no increment", t->path);
 }
 
-int scene_table_column(const scene_table *t, const char *name) {
+int report_table_column(const report_table *t, const char *name) {
   for (int k = 0; k < t->ncols; k++)
     if (strcmp(t->name[k], name) == 0) return k;
   return -1;
 }
 
-const char *scene_table_text(const scene_table *t, int row, int column) {
+const char *report_table_text(const report_table *t, int row, int column) {
   return column < 0 ? "" : t->cell[(size_t)row * (size_t)t->ncols + (size_t)column];
 }
 
-double scene_table_number(const scene_table *t, int row, int column) {
+double report_table_number(const report_table *t, int row, int column) {
   double value;
-  return gh_parse_number(scene_table_text(t, row, column), &value) ? value : NAN;
+  return gh_parse_number(report_table_text(t, row, column), &value) ? value : NAN;
 }
 
 /* The settlement of the first footing and the force on it, where there is one and nothing is driven. */
-static bool choose_footing(const scene_table *h, const char *unit, const char *force_unit, scene_curve *c) {
+static bool choose_footing(const report_table *h, const char *unit, const char *force_unit, report_curve *c) {
   static const char key[] = "footing_uy_";
   char name[SCENE_COLUMN + 32];
   for (int k = 0; k < h->ncols; k++) {
     if (strncmp(h->name[k], key, strlen(key)) != 0) continue;
     c->x = k;
     snprintf(name, sizeof name, "footing_fy_%s", h->name[k] + strlen(key));
-    c->force = scene_table_column(h, name);
+    c->force = report_table_column(h, name);
     c->sign = -1;
     snprintf(c->x_label, sizeof c->x_label, "settlement of the footing%s", unit);
     snprintf(c->force_label, sizeof c->force_label, "force on the footing in y%s", force_unit);
@@ -98,19 +98,19 @@ static bool choose_footing(const scene_table *h, const char *unit, const char *f
 
 /* The displacement of the driven set and the force on it; GH_INPUT where run.json names a set whose columns
  * are not there. */
-static gh_status choose_driven(gh_context *ctx, const scene_table *h, const scene_labels *l, const char *unit,
-                               const char *force_unit, scene_curve *c) {
+static gh_status choose_driven(gh_context *ctx, const report_table *h, const report_labels *l,
+                               const char *unit, const char *force_unit, report_curve *c) {
   char set[SCENE_COLUMN], name[SCENE_COLUMN + 8], quoted[GH_QUOTE];
   scene_column(l->driven_set, set);
   snprintf(name, sizeof name, "u%c_%s", l->driven_direction, set);
-  c->x = scene_table_column(h, name);
+  c->x = report_table_column(h, name);
   if (c->x < 0)
     return gh_fail(ctx, GH_INPUT, "%s: has no column %s, and run.json has '%s' as the driven set", h->path,
                    gh_quote(name, quoted), l->driven_set);
   c->driven = true;
-  c->sign = scene_table_number(h, h->nrows - 1, c->x) < 0 ? -1 : 1;
+  c->sign = report_table_number(h, h->nrows - 1, c->x) < 0 ? -1 : 1;
   snprintf(name, sizeof name, "%s_%c", set, l->driven_direction);
-  c->force = scene_table_column(h, name);
+  c->force = report_table_column(h, name);
   snprintf(c->x_label, sizeof c->x_label, "displacement of %s in %s%c%s", l->driven_set,
            c->sign < 0 ? "-" : "", l->driven_direction, unit);
   snprintf(c->force_label, sizeof c->force_label, "support force on %s in %c%s", l->driven_set,
@@ -119,40 +119,41 @@ static gh_status choose_driven(gh_context *ctx, const scene_table *h, const scen
 }
 
 /* The force at the bottom over the load steps. */
-static void choose_time(const scene_table *h, const char *force_unit, scene_curve *c) {
-  c->x = scene_table_column(h, "time");
-  c->force = scene_table_column(h, "bottom_y");
+static void choose_time(const report_table *h, const char *force_unit, report_curve *c) {
+  c->x = report_table_column(h, "time");
+  c->force = report_table_column(h, "bottom_y");
   snprintf(c->x_label, sizeof c->x_label, "load steps");
   snprintf(c->force_label, sizeof c->force_label, "support force on bottom in y%s", force_unit);
 }
 
 /* Whether the run has come to a step that prescribes the displacement: before, it is nan. */
-static bool has_moved(const scene_table *h, int column) {
+static bool has_moved(const report_table *h, int column) {
   for (int k = 0; k < h->nrows; k++)
-    if (isfinite(scene_table_number(h, k, column))) return true;
+    if (isfinite(report_table_number(h, k, column))) return true;
   return false;
 }
 
 /* The row before the driven set first moves. */
-static void choose_first(const scene_table *h, scene_curve *c) {
+static void choose_first(const report_table *h, report_curve *c) {
   for (int k = 1; c->driven && k < h->nrows; k++) {
-    double now = scene_table_number(h, k, c->x), before = scene_table_number(h, k - 1, c->x);
+    double now = report_table_number(h, k, c->x), before = report_table_number(h, k - 1, c->x);
     if (isfinite(now) && isfinite(before) && now != before) return;
     c->first = k < h->nrows - 1 ? k : 0;
   }
 }
 
-gh_status scene_curve_choose(gh_context *ctx, const scene_table *h, const scene_labels *l, scene_curve *c) {
+gh_status report_curve_choose(gh_context *ctx, const report_table *h, const report_labels *l,
+                              report_curve *c) {
   char unit[100] = "", force_unit[100] = "";
-  *c = (scene_curve){.sign = 1};
+  *c = (report_curve){.sign = 1};
   if (*l->length) snprintf(unit, sizeof unit, " (%s)", l->length);
   if (*l->force) snprintf(force_unit, sizeof force_unit, " (%s)", l->force);
   const bool drives = *l->driven_set != 0;
   if (drives) GH_TRY(choose_driven(ctx, h, l, unit, force_unit, c));
   const bool stands = drives && !has_moved(h, c->x);
-  if (stands) *c = (scene_curve){.sign = 1};
+  if (stands) *c = (report_curve){.sign = 1};
   if (stands || (!drives && !choose_footing(h, unit, force_unit, c))) choose_time(h, force_unit, c);
-  c->dilatancy = scene_table_column(h, "dilatancy");
+  c->dilatancy = report_table_column(h, "dilatancy");
   if (c->x < 0 || c->dilatancy < 0)
     return gh_fail(ctx, GH_INPUT, "%s: lacks the columns to draw (time, dilatancy)", h->path);
   choose_first(h, c);

@@ -1,5 +1,5 @@
 /* Fields on the deformed mesh. SPDX-License-Identifier: GPL-2.0-or-later */
-#include "scene/report.h"
+#include "report/report.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -135,7 +135,7 @@ enum { SHADES = 40 };
 
 static const char *shade(int k, char text[8]) {
   double rgb[3];
-  scene_colour((k + 0.5) / SHADES, rgb);
+  report_colour((k + 0.5) / SHADES, rgb);
   snprintf(text, 8, "#%02x%02x%02x", (unsigned)lround(255 * rgb[0]), (unsigned)lround(255 * rgb[1]),
            (unsigned)lround(255 * rgb[2]));
   return text;
@@ -154,7 +154,7 @@ static void print_bar(const picture *p, double low, double high, bool lost) {
   for (int k = 0; k < SHADES; k++)
     gh_text_print(out, "<rect x=\"%.0f\" y=\"%.2f\" width=\"14\" height=\"%.2f\" fill=\"%s\"/>", x,
                   top + h * (SHADES - 1 - k) / SHADES, h / SHADES + 0.3, shade(k, text));
-  step = scene_tick_step((high - low) * 1.2);
+  step = report_tick_step((high - low) * 1.2);
   for (double v = ceil(low / step - 1e-9) * step; v <= high + 1e-9 * step; v += step) {
     double y = top + h * (1 - (v - low) / (high - low)), value = fabs(v) < 1e-9 * step ? 0 : v;
     gh_text_print(out, "<path class=\"ax\" d=\"M%.0f %.1fh4\"/><text x=\"%.0f\" y=\"%.1f\">%s%.4g</text>",
@@ -196,7 +196,7 @@ static void print_edges(const picture *p, const frame *f) {
 /* Coordinates of the body along the lower and the left side. */
 static void print_axes(const picture *p) {
   for (int i = 0; i < 2; i++) {
-    double step = scene_tick_step((p->high[i] - p->low[i]) * 1.6);
+    double step = report_tick_step((p->high[i] - p->low[i]) * 1.6);
     for (double v = ceil(p->low[i] / step - 1e-9) * step; v <= p->high[i] + 1e-9 * step; v += step) {
       double value = fabs(v) < 1e-9 * step ? 0 : v;
       const char *minus = value < 0 ? "\xe2\x88\x92" : "";
@@ -357,7 +357,7 @@ static gh_status print_field(const picture *p, field which, const char *title, c
 }
 
 static void print_name(report *r, int k) {
-  const char *name = scene_table_text(&r->history, k, scene_table_column(&r->history, "name"));
+  const char *name = report_table_text(&r->history, k, report_table_column(&r->history, "name"));
   gh_text_print(r->out, "increment %d (", k);
   for (; *name; name++) report_escape(r->out, (char[2]){*name == '|' ? '/' : *name, 0});
   gh_text_print(r->out, ")");
@@ -387,9 +387,9 @@ static gh_status print_fields(picture *p) {
   fit(p);
   if (p->factor > 1)
     snprintf(factor, sizeof factor, "displacements drawn %g times as large; dashed: undeformed", p->factor);
-  scene_label(title[MISES], "Von Mises stress", r->labels.stress);
-  scene_label(title[SHEAR], "Shear strain E_I \xe2\x88\x92 E_II", "");
-  scene_label(title[ACOUSTIC], "Smallest acoustic eigenvalue", r->labels.stress);
+  report_label(title[MISES], "Von Mises stress", r->labels.stress);
+  report_label(title[SHEAR], "Shear strain E_I \xe2\x88\x92 E_II", "");
+  report_label(title[ACOUSTIC], "Smallest acoustic eigenvalue", r->labels.stress);
   gh_text_print(r->out, "<h2 id=\"body\">The body</h2>\n<p class=\"soft\">Deformed mesh, ");
   print_name(r, r->film[r->nfilm - 1]);
   gh_text_print(r->out, " unless chosen otherwise; %s. The colours span the values of the increment.</p>\n",

@@ -1,7 +1,7 @@
 /* What a report reads. SPDX-License-Identifier: GPL-2.0-or-later */
 #include "io/file.h"
 #include "io/json.h"
-#include "scene/report.h"
+#include "report/report.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -11,7 +11,7 @@ void report_close(report *r) {
   gh_h5_close(&r->rves);
   gh_h5_close(&r->traces);
   gh_csv_destroy(&r->convergence);
-  scene_table_free(&r->history);
+  report_table_free(&r->history);
   cJSON_Delete(r->run);
   free(r->mesh.X);
   free(r->mesh.quad);
@@ -24,8 +24,8 @@ void report_close(report *r) {
 /* ---- numbers by name ---- */
 
 double report_history(const report *r, int k, const char *column) {
-  int c = scene_table_column(&r->history, column);
-  return c < 0 ? NAN : scene_table_number(&r->history, k, c);
+  int c = report_table_column(&r->history, column);
+  return c < 0 ? NAN : report_table_number(&r->history, k, c);
 }
 
 double report_run_number(const report *r, const char *const *keys) {
@@ -58,8 +58,8 @@ static gh_status read_run(report *r) {
   free(path);
   GH_TRY(status);
   if (!there) return gh_fail(r->ctx, GH_INPUT, "%s: holds no results of `granhom run`", r->folder);
-  GH_TRY(scene_run_read(r->ctx, r->folder, &r->run));
-  return scene_labels_of(r->ctx, r->folder, r->run, &r->labels);
+  GH_TRY(report_run_read(r->ctx, r->folder, &r->run));
+  return report_labels_of(r->ctx, r->folder, r->run, &r->labels);
 }
 
 static gh_status no_increment(report *r) {
@@ -76,11 +76,11 @@ static gh_status read_tables(report *r) {
   free(path);
   GH_TRY(found);
   if (!there) return no_increment(r);
-  GH_TRY(scene_table_read(r->ctx, r->folder, "history.csv", &r->history));
-  GH_TRY(scene_curve_choose(r->ctx, &r->history, &r->labels, &r->curve));
+  GH_TRY(report_table_read(r->ctx, r->folder, "history.csv", &r->history));
+  GH_TRY(report_curve_choose(r->ctx, &r->history, &r->labels, &r->curve));
   path = gh_path_join(r->folder, "convergence.csv");
   if (!path) return gh_fail(r->ctx, GH_MEMORY, "no memory for a path");
-  gh_status status = scene_residuals_read(r->ctx, path, &r->convergence);
+  gh_status status = report_residuals_read(r->ctx, path, &r->convergence);
   free(path);
   return status;
 }
@@ -89,10 +89,10 @@ static gh_status read_mesh(report *r) {
   size_t nn, ne, np, nx;
   double *X;
   int *quad;
-  GH_TRY(scene_get_doubles(r->ctx, r->results, "/mesh/coordinates", &nn, 3, &X));
+  GH_TRY(report_get_doubles(r->ctx, r->results, "/mesh/coordinates", &nn, 3, &X));
   r->mesh.X = X; /* to the two coordinates of the plane, in place */
   for (size_t k = 0; k < nn; k++) X[2 * k] = X[3 * k], X[2 * k + 1] = X[3 * k + 1];
-  GH_TRY(scene_get_ints(r->ctx, r->results, "/mesh/cells", &ne, 4, &quad));
+  GH_TRY(report_get_ints(r->ctx, r->results, "/mesh/cells", &ne, 4, &quad));
   r->mesh.quad = (int(*)[4])quad;
   r->mesh.nnodes = (int)nn, r->mesh.nelements = (int)ne;
   for (size_t k = 0; k < 4 * ne; k++)
@@ -100,7 +100,7 @@ static gh_status read_mesh(report *r) {
       return gh_fail(r->ctx, GH_INPUT, "%s/results.h5: /mesh/cells names the node %d of %zu", r->folder,
                      quad[k], nn);
   r->np = 4 * (int)ne;
-  GH_TRY(scene_get_doubles(r->ctx, r->results, "/mesh/gauss", &np, 2, &r->gauss));
+  GH_TRY(report_get_doubles(r->ctx, r->results, "/mesh/gauss", &np, 2, &r->gauss));
   nx = 4 * ne;
   if (np == nx && nx > 0) return GH_OK;
   return gh_fail(r->ctx, GH_INPUT, "%s/results.h5: %zu integration points and %zu elements", r->folder, np,
@@ -155,7 +155,7 @@ static gh_status choose_extremes(report *r) {
   int most = -1, least = -1, first = -1;
   for (int p = 0; p < r->np && r->rves; p++) {
     bool recorded;
-    GH_TRY(scene_rve_recorded(r->rves, p, &recorded));
+    GH_TRY(report_rve_recorded(r->rves, p, &recorded));
     if (!recorded) continue;
     if (first < 0) most = least = first = p;
     if (acoustic[p] < acoustic[least]) least = p;
@@ -219,14 +219,14 @@ static gh_status open_optional(report *r, const char *name, gh_h5 **file) {
   bool there = false;
   gh_status status = gh_file_there(r->ctx, path, &there);
   free(path);
-  return there ? scene_open_h5(r->ctx, r->folder, name, file) : status;
+  return there ? report_open_h5(r->ctx, r->folder, name, file) : status;
 }
 
 gh_status report_open(gh_context *ctx, const char *folder, const int *points, int npoints, report *r) {
   *r = (report){.ctx = ctx, .folder = folder};
   GH_TRY(read_run(r));
   GH_TRY(read_tables(r));
-  GH_TRY(scene_open_h5(ctx, folder, "results.h5", &r->results));
+  GH_TRY(report_open_h5(ctx, folder, "results.h5", &r->results));
   GH_TRY(open_optional(r, "rves.h5", &r->rves));
   GH_TRY(open_optional(r, "traces.h5", &r->traces));
   GH_TRY(read_mesh(r));

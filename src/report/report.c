@@ -1,6 +1,6 @@
 /* One page of HTML with what a person wants to see of a run first. SPDX-License-Identifier: GPL-2.0-or-later
  */
-#include "scene/report.h"
+#include "report/report.h"
 
 static void print_begin(report *r) {
   const char *title = report_run_text(r, "title");

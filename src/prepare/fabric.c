@@ -1,6 +1,6 @@
 /* Overlap, coordination, fabric and stress of a packing in equilibrium. SPDX-License-Identifier:
  * GPL-2.0-or-later */
-#include "scene/finish.h"
+#include "prepare/finish.h"
 
 static void principal(gh_finish_report *r) {
   double c = r->fabric[0] - r->fabric[2], s = 2 * r->fabric[1];

@@ -2,7 +2,7 @@
  */
 #include "io/file.h"
 #include "io/json.h"
-#include "scene/report.h"
+#include "report/report.h"
 #include "scene/results.h"
 
 #include <stdlib.h>
@@ -23,7 +23,7 @@ static gh_status label_read(gh_context *ctx, const char *path, const cJSON *obje
   return GH_OK;
 }
 
-static gh_status labels_fill(gh_context *ctx, const char *path, const cJSON *root, scene_labels *l) {
+static gh_status labels_fill(gh_context *ctx, const char *path, const cJSON *root, report_labels *l) {
   const cJSON *units = cJSON_GetObjectItemCaseSensitive(root, "units"),
               *driven = cJSON_GetObjectItemCaseSensitive(root, "driven");
   const cJSON *micro =
@@ -41,7 +41,7 @@ static gh_status labels_fill(gh_context *ctx, const char *path, const cJSON *roo
   return GH_OK;
 }
 
-gh_status scene_run_read(gh_context *ctx, const char *folder, cJSON **root) {
+gh_status report_run_read(gh_context *ctx, const char *folder, cJSON **root) {
   char *path = gh_path_join(folder, "run.json"), *text = NULL;
   if (!path) return gh_fail(ctx, GH_MEMORY, "no memory for a path");
   gh_status status = gh_file_text(ctx, path, &text);
@@ -57,8 +57,8 @@ gh_status scene_run_read(gh_context *ctx, const char *folder, cJSON **root) {
   return status;
 }
 
-gh_status scene_labels_of(gh_context *ctx, const char *folder, const cJSON *root, scene_labels *l) {
-  *l = (scene_labels){0};
+gh_status report_labels_of(gh_context *ctx, const char *folder, const cJSON *root, report_labels *l) {
+  *l = (report_labels){0};
   char *path = gh_path_join(folder, "run.json");
   if (!path) return gh_fail(ctx, GH_MEMORY, "no memory for a path");
   gh_status status = labels_fill(ctx, path, root, l);
@@ -66,11 +66,11 @@ gh_status scene_labels_of(gh_context *ctx, const char *folder, const cJSON *root
   return status;
 }
 
-gh_status scene_labels_read(gh_context *ctx, const char *folder, scene_labels *l) {
+gh_status report_labels_read(gh_context *ctx, const char *folder, report_labels *l) {
   cJSON *root;
-  *l = (scene_labels){0};
-  GH_TRY(scene_run_read(ctx, folder, &root));
-  gh_status status = scene_labels_of(ctx, folder, root, l);
+  *l = (report_labels){0};
+  GH_TRY(report_run_read(ctx, folder, &root));
+  gh_status status = report_labels_of(ctx, folder, root, l);
   cJSON_Delete(root);
   return status;
 }
@@ -87,7 +87,7 @@ const char *scene_h5_kind(const char *name) {
 }
 
 /* Results of older versions have no checksum and can still be shown. */
-gh_status scene_open_h5(gh_context *ctx, const char *folder, const char *name, gh_h5 **file) {
+gh_status report_open_h5(gh_context *ctx, const char *folder, const char *name, gh_h5 **file) {
   bool sealed = true;
   char *path = gh_path_join(folder, name);
   if (!path) return gh_fail(ctx, GH_MEMORY, "no memory for a path");
@@ -109,8 +109,8 @@ static gh_status count_rows(gh_context *ctx, gh_h5 *file, const char *name, size
   return gh_fail(ctx, GH_INPUT, "dataset %s has %zu columns instead of %zu", name, c, cols);
 }
 
-gh_status scene_get_doubles(gh_context *ctx, gh_h5 *file, const char *name, size_t *rows, size_t cols,
-                            double **data) {
+gh_status report_get_doubles(gh_context *ctx, gh_h5 *file, const char *name, size_t *rows, size_t cols,
+                             double **data) {
   *data = NULL;
   GH_TRY(count_rows(ctx, file, name, cols, rows));
   GH_TRY(gh_alloc(ctx, *rows * cols, sizeof **data, data));
@@ -121,8 +121,8 @@ gh_status scene_get_doubles(gh_context *ctx, gh_h5 *file, const char *name, size
   return status;
 }
 
-gh_status scene_get_ints(gh_context *ctx, gh_h5 *file, const char *name, size_t *rows, size_t cols,
-                         int **data) {
+gh_status report_get_ints(gh_context *ctx, gh_h5 *file, const char *name, size_t *rows, size_t cols,
+                          int **data) {
   *data = NULL;
   GH_TRY(count_rows(ctx, file, name, cols, rows));
   GH_TRY(gh_alloc(ctx, *rows * cols, sizeof **data, data));
