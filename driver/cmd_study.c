@@ -32,8 +32,8 @@ static const char help[] =
     "with the others. A second Ctrl-C ends it at once.\n"
     "The study file is described in docs/study.md.\n"
     "\n"
-    "Exit status: 0 done, also when single runs have failed; 1 no setting has a result, or the study was\n"
-    "stopped; 2 wrong input.\n";
+    "Exit status: 0 done, also when single runs have failed; 1 no setting has a result, the system refused\n"
+    "a run (no memory, a program that is not installed), or the study was stopped; 2 wrong input.\n";
 
 typedef struct arguments {
   const char *study, *folder;

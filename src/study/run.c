@@ -410,6 +410,21 @@ static gh_status look_for_results(gh_study *s) {
                  s->settings[0].runs[0].message);
 }
 
+/* What the system refused is no result: the tables have a gap that another attempt may fill. */
+static gh_status look_for_refused(gh_study *s) {
+  char name[256];
+  int runs = 0, refused = 0, setting = 0, member = 0;
+  for (int k = 0; k < s->nsettings; k++)
+    for (int m = 0; m < s->settings[k].nruns; m++, runs++)
+      if (!is_kept(s->settings[k].runs + m) && refused++ == 0) setting = k, member = m;
+  if (refused == 0) return GH_OK;
+  const study_run *run = s->settings[setting].runs + member;
+  study_run_name(s, setting, member, name, sizeof name);
+  return gh_fail(s->ctx, run->status,
+                 "the system refused %d of %d runs; the first one, %s: %s; the same command repeats them",
+                 refused, runs, name, run->message);
+}
+
 static gh_status conclude(job *j) {
   gh_study *s = j->s;
   const char *folder = j->folder;
@@ -423,7 +438,8 @@ static gh_status conclude(job *j) {
   gh_status drawn = study_draw(s, folder);
   if (drawn == GH_MEMORY) return drawn;
   if (drawn != GH_OK) gh_log(s->ctx, GH_LEVEL_WARNING, "no pictures: %s", gh_message(s->ctx));
-  return look_for_results(s);
+  GH_TRY(look_for_results(s));
+  return look_for_refused(s);
 }
 
 static gh_status tell_stop(job *j) {

@@ -47,10 +47,11 @@ typedef enum kind { NONE, OWN, LIB, IO } kind;
 typedef enum flavour { HARD, SOFT, SHORT, FULL } flavour;
 typedef enum caller { OTHER, PROGRAM, LIBRARY } caller;
 
-enum { MOST_PATHS = 1 << 17, DEPTH = 16 };
+enum { MOST_PATHS = 1 << 17, DEPTH = 64, INNER = 3 };
 
 /* In memory that a child shares with the server. path: of each point, a sum over the calls that led to it,
- * for the first MOST_PATHS when all are counted. */
+ * for the first MOST_PATHS when all are counted; of an allocation in a library, over the INNER last calls of
+ * libraries and of granhom, because their recursion leads to the same few places in endless variety. */
 typedef struct record {
   long points;
   int met;
@@ -126,7 +127,11 @@ static unsigned path_sum(void) {
   int n = backtrace(call, DEPTH);
   fault.on = true;
   uint64_t sum = 14695981039346656037u;
-  for (int k = 0; k < n; k++) sum = (sum ^ (uintptr_t)call[k]) * 1099511628211u;
+  for (int k = 0, met[3] = {0}; k < n; k++) {
+    const caller who = caller_of(call[k]);
+    if (fault.kind != LIB || (who != OTHER && ++met[who] <= INNER))
+      sum = (sum ^ (uintptr_t)call[k]) * 1099511628211u;
+  }
   return (unsigned)(sum >> 16);
 }
 

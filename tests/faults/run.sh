@@ -21,7 +21,8 @@ single="run restart rve element pack report plot study load explain rve-stdout r
 ranks="run-ranks@0 run-ranks@1 study-ranks@0 study-ranks@1"
 if [ -z "${ROWS:-}" ]; then
   for case in $single; do
-    ROWS="${ROWS:-} $case:own:hard $case:lib:hard $case:io:hard"
+    ROWS="${ROWS:-} $case:own:hard $case:io:hard"
+    [ "$case" = run-lammps ] || ROWS="$ROWS $case:lib:hard" # LAMMPS is in rve-lammps, the other libraries in run
     case $case in run | restart | rve | pack | report) ROWS="$ROWS $case:io:soft $case:io:short $case:io:full" ;; esac
   done
   for case in $ranks; do ROWS="$ROWS $case:own:hard $case:io:hard"; done

@@ -115,6 +115,14 @@ sed 's/^reference.*/reference: {set: {micro.max_steps: 2}}/; /400000/d' rve.yaml
 grep -q '^reference micro.tolerance 1e-6, micro.boundary periodic, micro.max_steps: 2: t = 1: no equilibrium' said
 say $? 'and tells why the references have failed'
 
+# --- a run that the system refuses is no result: the other rows are there, and the status tells ---
+sed '/^vary:/,/^quick:/d' rve.yaml >refused.yaml
+printf 'vary: {micro.engine: [native, liggghts]}\nreference: {set: {micro.tolerance: 1e-11, micro.engine: native}}\n' >>refused.yaml
+PATH=/nowhere "$granhom" study refused.yaml -o refused --quiet >said 2>err
+[ $? = 1 ] && grep -q '^granhom: the system refused 1 of 3 runs; the first one, micro.engine liggghts: ' err && [ "$(records refused)" = 2 ] &&
+  [ "$(grep -c ',done,1,1,5,' refused/study.csv)" = 1 ] && [ "$(grep -c ',failed,1,0,' refused/study.csv)" = 1 ]
+say $? 'a program that is not installed: exit 1 with the rows of the others'
+
 # --- stopped and killed ---
 sed 's/increments: 4}\]/increments: 3000}]/; s/\[400000, 2\]/[400000, 300000]/; s/: 1e-11/: 1e-10/' rve.yaml >long.yaml
 "$granhom" study long.yaml -o long >said 2>err &
