@@ -1,17 +1,25 @@
 # granhom. SPDX-License-Identifier: GPL-2.0-or-later
-#   make          builds build/granhom
+# What `make help` prints:
+#   make          builds build/granhom;   make lib   the libraries
+#   make packages installs the Debian packages that are missing, as the next two do
 #   make demo     installs what is missing, builds, runs a block of sand and draws it
 #   make check    installs what is missing, builds, runs all tests
-#   make bench    times of one RVE update and of the farm;   make asan / make valgrind   the tests under the checkers
+#   make CC=clang check;   make MPI=0 HDF5=0 check   with clang; without ranks and HDF5 files (docs/user-guide.md). The same
+#                 words again with make, install ...
+#   make plugin   build/granhomplugin.so, granhom's styles for LAMMPS's own program (docs/lammps/README.md)
+#   make debian13 make check in a Debian 13 system made below build/ (scripts/check-debian13.sh; needs root)
+#   make asan     the tests under sanitizers;   make valgrind   under valgrind
+#   make tidy     clang-tidy over all sources (.clang-tidy);   make format, make format-check   clang-format, or what it would change
+#   make bench    times of one RVE update and of the farm
 #   make fuzz     an hour of random inputs for all readers and of mutated scripts, scenes and studies (FUZZ_SECONDS, FUZZ_JOBS,
 #                 FUZZ_SEED, FUZZ_ONLY="gmsh scene"), on a build with sanitizers; findings are kept in build-fuzz/findings
 #   make faults   every allocation and every call on files fails once: run, rve, element, pack, report ... (SAMPLE=N: N points a row)
 #   make extreme  the cases of docs/reports/stability.md, the long ones too, and its table
 #   make study    tables and pictures of docs/reports/error-vs-time.md (hours); make study QUICK=1 (minutes)
 #   make docs     keys, columns and commands in docs/reference, from the program
-#   make format   clang-format over all sources
-#   make MPI=0 HDF5=0   without ranks, without HDF5 files (docs/user-guide.md); the same words again with make check, install ...
-#   make install   PREFIX=/usr/local DESTDIR=   program, library, headers, granhom.pc, manual page;   make uninstall
+#   make verification   tables and pictures of docs/reports/verification.md (a quarter of an hour)
+#   make install  PREFIX=/usr/local DESTDIR=   program, library, headers, granhom.pc, manual page;   make uninstall;   make clean
+# BUILD=DIR: another folder than build; CC, CXX, OPT, ARCH: compilers and their options.
 BUILD  ?= build
 PREFIX ?= /usr/local
 ARCH   ?= -march=native
@@ -21,23 +29,32 @@ MODULES ?= base io mesh contact packing engine engine/native engine/lammps micro
 # MPI=0: granhom's own code knows no ranks; LAMMPS keeps the MPI that it was built with. HDF5=0: results as text alone.
 MPI    ?= 1
 HDF5   ?= 1
-HDF5_PKG := $(if $(filter 0,$(HDF5)),,$(if $(filter 0,$(MPI)),$(shell pkg-config --exists hdf5-serial && echo hdf5-serial || echo hdf5-openmpi),hdf5-openmpi))
+# Where a package is missing, pkg-config is not heard: the rule `present` names what to install.
+PKG_CONFIG := pkg-config --silence-errors
+HDF5_PKG := $(if $(filter 0,$(HDF5)),,$(if $(filter 0,$(MPI)),$(shell $(PKG_CONFIG) --exists hdf5-serial 2>/dev/null && echo hdf5-serial || echo hdf5-openmpi),hdf5-openmpi))
 PKGS   := $(if $(filter 0,$(MPI)),,ompi-c) $(HDF5_PKG) yaml-0.1 libcjson cairo
 LEFT_OUT := $(if $(filter 0,$(MPI)),src/farm/mpi.c src/farm/serve.c src/study/team_mpi.c driver/ranks_mpi.c,src/farm/alone.c src/study/team_alone.c driver/ranks_alone.c) \
   $(if $(filter 0,$(HDF5)),src/io/h5.c,src/io/h5_none.c)
-CC     ?= gcc
-CXX    ?= g++
+# C++ by the same compiler, unless it is chosen too.
+ifneq ($(filter default undefined,$(origin CC)),)
+CC     := gcc
+endif
+ifneq ($(filter default undefined,$(origin CXX)),)
+CXX    := $(if $(findstring clang,$(CC)),$(subst clang,clang++,$(CC)),g++)
+endif
 WARN   := -Wall -Wextra -Wpedantic -Werror
 # All objects serve the shared library too: position-independent code costs nothing here (docs/reports/performance.md).
 PIC    := -fPIC -fno-semantic-interposition
 FLAGS  := $(OPT) -g $(ARCH) -fno-math-errno $(PIC) $(SAN) $(WARN) -Iinclude -Isrc -I$(BUILD) -DGH_BUILD_FLAGS='"$(OPT) $(ARCH) $(SAN)"'
-CPPFLAGS_PKG := $(shell pkg-config --cflags $(PKGS) | sed 's/-I/-isystem /g') -isystem /usr/include/suitesparse $(if $(filter 0,$(MPI)),-DGH_NO_MPI)
-MPI_OF_LAMMPS := $(shell pkg-config --cflags ompi-c | sed 's/-I/-isystem /g')
+CPPFLAGS_PKG := $(shell $(PKG_CONFIG) --cflags $(PKGS) 2>/dev/null | sed 's/-I/-isystem /g') -isystem /usr/include/suitesparse $(if $(filter 0,$(MPI)),-DGH_NO_MPI)
+MPI_OF_LAMMPS := $(shell $(PKG_CONFIG) --cflags ompi-c 2>/dev/null | sed 's/-I/-isystem /g')
+# LAMMPS's headers: those of the package, or the folder `src` of its sources.
+LAMMPS ?= /usr/include/lammps
 CFLAGS  = -std=c17 -D_XOPEN_SOURCE=700 $(FLAGS) $(CPPFLAGS_PKG) -fexceptions
 # LAMMPS's headers are C++11 of their own kind: ours on top of them keep the warnings.
-CXXFLAGS = -std=c++17 $(FLAGS) $(CPPFLAGS_PKG) $(MPI_OF_LAMMPS) -isystem /usr/include/lammps -isystem src/engine/lammps/compat -DLAMMPS_SMALLBIG -DLAMMPS_LIB_MPI
+CXXFLAGS = -std=c++17 $(FLAGS) $(CPPFLAGS_PKG) $(MPI_OF_LAMMPS) -isystem $(LAMMPS) -isystem src/engine/lammps/compat -DLAMMPS_SMALLBIG -DLAMMPS_LIB_MPI
 LDFLAGS = -rdynamic $(SAN)
-LDLIBS  = -llammps -lcholmod -lumfpack -lklu $(shell pkg-config --libs $(PKGS) ompi-c) -lstdc++ -lm
+LDLIBS  = -llammps -lcholmod -lumfpack -lklu $(shell $(PKG_CONFIG) --libs $(PKGS) ompi-c 2>/dev/null) -lstdc++ -lm
 
 SRC  := $(filter-out $(LEFT_OUT),$(foreach m,$(MODULES),$(wildcard src/$(m)/*.c src/$(m)/*.cpp)))
 OBJ  := $(SRC:%=$(BUILD)/%.o)
@@ -57,14 +74,14 @@ FUZZ := $(patsubst %.c,$(BUILD)/%,$(wildcard tests/fuzz/fuzz_*.c))
 FUZZ_LOOP := $(if $(filter 0,$(LIBFUZZER)),$(BUILD)/tests/fuzz/standalone.c.o)
 FUZZ_OBJ := $(BUILD)/tests/fuzz/fuzz.c.o $(FUZZ_LOOP) $(filter-out %/main.c.o,$(DOBJ))
 
-.PHONY: all lib demo check bench asan valgrind format tidy install uninstall clean packages tests-only fuzz fuzz-build fuzz-targets
+.PHONY: all lib demo check bench asan valgrind plugin install uninstall clean packages tests-only fuzz fuzz-build fuzz-targets
 .DEFAULT_GOAL := all
 .PRECIOUS: $(BUILD)/%.c.o $(BUILD)/%.cpp.o
 all: $(BUILD)/granhom
 lib: $(LIB) $(SHARED)
 
-# Objects of another choice of MPI and HDF5 are not mixed with these.
-CHOICE := MPI=$(MPI) HDF5=$(HDF5)
+# Objects of another choice of MPI, HDF5, LAMMPS, compilers and their options are not mixed with these.
+CHOICE := MPI=$(MPI) HDF5=$(HDF5) LAMMPS=$(LAMMPS) $(lastword $(CC)) $(lastword $(CXX)) $(OPT) $(ARCH) $(SAN)
 $(shell mkdir -p $(BUILD); echo '$(CHOICE)' | cmp -s - $(BUILD)/choice || echo '$(CHOICE)' >$(BUILD)/choice)
 
 # What answers and their seconds depend on, as a number: records of a study tell by it of which build they are.
@@ -73,11 +90,16 @@ ANSWERS := $(sort $(filter-out src/study/% src/report/%,$(SRC)) $(addprefix src/
 $(shell printf '\043define GH_SOURCES "%s"\n' "$$(cat $(ANSWERS) | cksum | cut -d' ' -f1)" >$(BUILD)/sources.new; \
   cmp -s $(BUILD)/sources.new $(BUILD)/sources.h && rm $(BUILD)/sources.new || mv $(BUILD)/sources.new $(BUILD)/sources.h)
 
-$(BUILD)/%.c.o: %.c Makefile $(BUILD)/choice
+# Before the first object of a build: are the packages there? (`make demo` and `make check` install them.)
+PRESENT := $(BUILD)/present
+$(PRESENT): scripts/install-packages.sh $(BUILD)/choice
+	@scripts/install-packages.sh missing
+	@touch $@
+$(BUILD)/%.c.o: %.c Makefile $(BUILD)/choice | $(PRESENT)
 	@mkdir -p $(@D)
 	@echo "  CC   $<"
 	@$(CC) $(CFLAGS) -MMD -MP -c $< -o $@
-$(BUILD)/%.cpp.o: %.cpp Makefile $(BUILD)/choice
+$(BUILD)/%.cpp.o: %.cpp Makefile $(BUILD)/choice | $(PRESENT)
 	@mkdir -p $(@D)
 	@echo "  CXX  $<"
 	@$(CXX) $(CXXFLAGS) -MMD -MP -c $< -o $@
@@ -105,7 +127,17 @@ COUNTED := malloc calloc realloc _Znwm _ZN9LAMMPS_NS6Memory7smallocElPKc _ZN9LAM
   gh_engine_begin gh_engine_set gh_engine_relax gh_rve_find_rattlers cholmod_analyze cholmod_factorize klu_analyze klu_factor umfpack_di_numeric gh_rve_tangent gh_rve_tangent_friction
 $(BUILD)/tests/unit/test_lean: LDFLAGS += $(COUNTED:%=-Wl,--wrap=%)
 
-export MPI HDF5
+# The styles for LAMMPS's own program: what they need of this library, and no more. With the package's headers for the package's
+# library, so that it can be preloaded (programs that lmp starts see it too); with other headers for the LAMMPS that loads it.
+PLUGIN := $(BUILD)/granhomplugin.so
+PLUGIN_SRC := $(filter-out %/bridge.c %/guard.cpp %/interpose.cpp %/interpose_programs.cpp,$(filter src/engine/lammps/%,$(SRC))) \
+  $(filter src/engine/relax%,$(SRC))
+$(PLUGIN): $(PLUGIN_SRC:%=$(BUILD)/%.o) scripts/granhomplugin.map
+	@echo "  LD   $@"
+	@$(CXX) -shared -Wl,--version-script=scripts/granhomplugin.map $(SAN) $(filter %.o,$^) $(if $(filter /usr/include/lammps,$(LAMMPS)),-llammps) -lumfpack -lm -o $@
+plugin: $(PLUGIN)
+
+export MPI HDF5 CC
 packages:
 	@scripts/install-packages.sh
 demo: packages
@@ -113,7 +145,7 @@ demo: packages
 	@scripts/demo.sh $(BUILD)
 check:
 	@scripts/install-packages.sh check
-	@$(MAKE) --no-print-directory -j$$(nproc) all lib tests-only
+	@$(MAKE) --no-print-directory -j$$(nproc) all lib plugin tests-only
 	@BUILD=$(BUILD) tests/run.sh
 tests-only: $(TBIN) fuzz-targets
 fuzz-targets: $(FUZZ)
@@ -141,8 +173,6 @@ fuzz:
 valgrind:
 	@$(MAKE) --no-print-directory -j$$(nproc) BUILD=$(BUILD)-valgrind ARCH=-march=x86-64-v2 OPT=-O1 all tests-only
 	@BUILD=$(BUILD)-valgrind tests/valgrind.sh
-format:
-	@clang-format -i $$(git ls-files '*.c' '*.h' '*.cpp')
 # The tables of docs/reference from the program's own.
 .PHONY: docs
 docs: all
@@ -193,6 +223,7 @@ uninstall:
 	rm -f $(DESTDIR)$(libdir)/$(notdir $(SHARED)) $(DESTDIR)$(libdir)/pkgconfig/granhom.pc $(DESTDIR)$(mandir)/granhom.1
 	rm -f $(patsubst include/%,$(DESTDIR)$(incdir)/%,$(wildcard include/granhom/*.h))
 	-rmdir $(DESTDIR)$(incdir)/granhom
+include scripts/checks.mk
 clean:
 	rm -rf $(BUILD) $(BUILD)-asan $(BUILD)-valgrind $(BUILD)-fuzz
 

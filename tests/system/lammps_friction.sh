@@ -43,7 +43,9 @@ fix             move all nve/sphere disc
 fix             plane all enforce2d
 compute         stress all granhom/stress
 compute         rows all granhom/contact/local
-compute         turned all reduce sum c_rows[18]
+variable        inputs string ""
+if              "$(version) >= 20231121" then "variable inputs string 'inputs local'"
+compute         turned all reduce sum c_rows[18] ${inputs}
 run             0
 displace_atoms  all move $(v_jump*lx) $(v_jump*ly) 0
 velocity        all set $(v_drift) $(v_drift) 0 sum yes

@@ -2,12 +2,10 @@
  *
  * Calls inside a shared library go through its symbol table, where definitions that come first in the search
  * order count; so the ones here take the place of LAMMPS's. A library without exceptions (Debian 12) ends the
- * process on an error: its Error class is replaced by one that throws. LAMMPS::post_create(), which follows
- * each `clear`, is extended everywhere: it registers our styles. */
+ * process on an error: its Error class is replaced by one that throws. */
 #include "engine/lammps/c_mpi.h"
 #include "engine/lammps/interpose.h"
 
-#include "engine/lammps/styles.h"
 #include "engine/lammps/versions.h"
 
 #include "error.h"
@@ -16,10 +14,7 @@
 #include "universe.h"
 #include "update.h"
 
-#include <dlfcn.h>
 #include <exception>
-
-using LAMMPS_NS::LAMMPS;
 
 #if !GH_LAMMPS_THROWS
 
@@ -90,15 +85,3 @@ void Error::done(int status) {
 } // namespace LAMMPS_NS
 
 #endif
-
-void LAMMPS::post_create() {
-  using function = void (*)(LAMMPS *);
-  auto original = reinterpret_cast<function>(dlsym(RTLD_NEXT, "_ZN9LAMMPS_NS6LAMMPS11post_createEv"));
-  if (original) original(this);
-  granhom::register_styles(this);
-}
-
-const char *granhom::advice_on_linking() {
-  return "liblammps.so comes before granhom in the search order of symbols. Link -lgranhom before -llammps; "
-         "with libgranhom.a, link with -rdynamic";
-}

@@ -1,5 +1,6 @@
 /* granhom's styles as a plugin (`plugin load`) for LAMMPS builds with the PLUGIN package; empty where
- * LAMMPS's header for plugins is not installed, as in Debian. SPDX-License-Identifier: GPL-2.0-or-later
+ * LAMMPS's header for plugins is not installed, as in Debian: there granhomplugin.so is preloaded
+ * (interpose_styles.cpp). SPDX-License-Identifier: GPL-2.0-or-later
  *
  * Built against the headers of the very LAMMPS that loads it: docs/reference/lammps/README.md. */
 #if __has_include(<lammpsplugin.h>)
@@ -10,6 +11,7 @@
 #include "engine/lammps/fix_history.h"
 #include "engine/lammps/fix_relax.h"
 #include "engine/lammps/pair_coulomb.h"
+#include "engine/lammps/styles.h"
 
 #include "lammps.h"
 #include "version.h"
@@ -27,7 +29,8 @@ template <typename Base, typename Style> static void *other(void *lmp, int narg,
   return static_cast<Base *>(new Style(static_cast<LAMMPS *>(lmp), narg, arg));
 }
 
-extern "C" void lammpsplugin_init(void *lmp, void *handle, void *registrar) {
+extern "C" __attribute__((visibility("default"))) void lammpsplugin_init(void *lmp, void *handle,
+                                                                         void *registrar) {
   using LAMMPS_NS::Compute;
   using LAMMPS_NS::Fix;
   using namespace granhom;
@@ -51,13 +54,13 @@ extern "C" void lammpsplugin_init(void *lmp, void *handle, void *registrar) {
     plugin.creator.v2 = make;
     registers(&plugin, lmp);
   };
-  add_pair("granhom/normal", "one-sided harmonic normal contact", pair<PairNormal>);
-  add_pair("granhom/coulomb", "normal contact and Coulomb friction", pair<PairCoulomb>);
-  add_other("fix", "granhom/relax", "dynamic relaxation to a residual", other<Fix, FixRelax>);
-  add_other("fix", "granhom/history", "history of granhom/coulomb", other<Fix, FixHistory>);
-  add_other("compute", "granhom/contact/local", "list of contacts", other<Compute, ComputeContact>);
-  add_other("compute", "granhom/stress", "homogenised stress", other<Compute, ComputeStress>);
-  add_other("compute", "granhom/tangent", "homogenised tangent", other<Compute, ComputeTangent>);
+#define PAIR(name, Style, info) add_pair(name, info, pair<Style>);
+#define FIX(name, Style, info) add_other("fix", name, info, other<Fix, Style>);
+#define COMPUTE(name, Style, info) add_other("compute", name, info, other<Compute, Style>);
+  GH_LAMMPS_STYLES(PAIR, FIX, COMPUTE)
+#undef PAIR
+#undef FIX
+#undef COMPUTE
   register_commands(static_cast<LAMMPS *>(lmp));
 }
 #endif

@@ -30,12 +30,12 @@ void granhom::register_styles(LAMMPS *lmp) {
   auto &pairs = *lmp->force->pair_map;
   auto &fixes = *lmp->modify->fix_map;
   auto &computes = *lmp->modify->compute_map;
-  pairs["granhom/normal"] = pair<PairNormal>;
-  pairs["granhom/coulomb"] = pair<PairCoulomb>;
-  fixes["granhom/relax"] = fix<FixRelax>;
-  fixes["granhom/history"] = fix<FixHistory>;
-  computes["granhom/contact/local"] = compute<ComputeContact>;
-  computes["granhom/stress"] = compute<ComputeStress>;
-  computes["granhom/tangent"] = compute<ComputeTangent>;
+#define PAIR(name, Style, info) pairs[name] = pair<Style>;
+#define FIX(name, Style, info) fixes[name] = fix<Style>;
+#define COMPUTE(name, Style, info) computes[name] = compute<Style>;
+  GH_LAMMPS_STYLES(PAIR, FIX, COMPUTE)
+#undef PAIR
+#undef FIX
+#undef COMPUTE
   register_commands(lmp);
 }

@@ -6,6 +6,16 @@
 
 #include "pointers.h"
 
+/* All styles: name, class, what `plugin load` says of it. */
+#define GH_LAMMPS_STYLES(PAIR, FIX, COMPUTE)                                                                 \
+  PAIR("granhom/normal", PairNormal, "one-sided harmonic normal contact")                                    \
+  PAIR("granhom/coulomb", PairCoulomb, "normal contact and Coulomb friction")                                \
+  FIX("granhom/relax", FixRelax, "dynamic relaxation to a residual")                                         \
+  FIX("granhom/history", FixHistory, "history of granhom/coulomb")                                           \
+  COMPUTE("granhom/contact/local", ComputeContact, "list of contacts")                                       \
+  COMPUTE("granhom/stress", ComputeStress, "homogenised stress")                                             \
+  COMPUTE("granhom/tangent", ComputeTangent, "homogenised tangent")
+
 namespace granhom {
 
 /* Puts all styles of granhom into the style tables of an instance. */
