@@ -23,8 +23,27 @@ run tests/system/extreme.sh tests/system/extreme.sh
 [ $failed = 0 ] || exit 1
 
 awk -F '|' '
-  $1 != section { section = $1; printf "\n### %s\n\n| case | check | what comes out |\n| --- | --- | --- |\n", section }
-  { printf "| %s | %s | %s |\n", $2, $3, $4 }' "$work/rows" >"$work/table"
+  {
+    outcome = $4
+    sub(/^converged[,;] (error )?/, "", outcome)
+    sub(/\(allowed /, "(", outcome)
+    sub(/ refused: no equilibrium.*/, " refused", outcome)
+  }
+  $1 == "Program" {
+    code = substr($4, 13, 1)
+    list[code] = count[code]++ ? list[code] "; " $2 : $2
+    next
+  }
+  $1 != section {
+    section = $1
+    printf "\n### %s\n\n| case | check | error (allowed), or outcome |\n| --- | --- | --- |\n", section
+  }
+  { printf "| %s | %s | %s |\n", $2, $3, outcome }
+  END {
+    print "\n### Program\n"
+    printf "- exit status 0 and finite numbers: %d cases\n", count[0]
+    for (code = 1; code <= 2; ++code) printf "- exit status %d: %s\n", code, list[code]
+  }' "$work/rows" >"$work/table"
 awk -v table="$work/table" '
   /<!-- table: end -->/ { inside = 0 }
   !inside { print }

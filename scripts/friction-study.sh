@@ -1,7 +1,7 @@
 #!/bin/sh
 # Grains with friction: the experiments of section 7.3 of the dissertation with an ensemble of packings, the same under restricted and
 # periodic conditions, and the block with friction. Runs what has no results yet, checks them in numbers (exit status 1 when a
-# check fails), puts tables into docs/explanation/friction.md and docs/reports/verification.md and curves into docs/figures.
+# check fails), puts tables into docs/reports/friction.md and docs/reports/verification.md and curves into docs/figures.
 #   friction-study.sh BUILD [OUTDIR]     ENGINE=lammps|native, FRESH=1 repeats all runs, JOBS=2 at a time,
 #                                        PACKINGS=15 for Taylor, RELAXED=5 for the other conditions,
 #                                        TABLES=1 runs nothing and takes what is there
@@ -100,5 +100,5 @@ done
 gnuplot -e "out='$out'; png='$figures-cyclic.png'; conditions='taylor'" scripts/friction-cyclic.gp
 gnuplot -e "out='$out'; png='$figures-cyclic-relaxed.png'; conditions='restricted periodic'" scripts/friction-cyclic.gp
 gnuplot -e "out='$out'; png='$figures-block.png'" scripts/friction-block.gp
-echo "docs/explanation/friction.md, docs/reports/verification.md and docs/figures/friction-*.png are up to date"
+echo "docs/reports/friction.md, docs/reports/verification.md and docs/figures/friction-*.png are up to date"
 exit $verdict

@@ -1,7 +1,7 @@
 """Tables, checks and curves of the friction study: friction_study.py OUTDIR DOCS
 
 Reads the results of scripts/friction-study.sh in OUTDIR, replaces what stands between `<!-- begin NAME -->` and `<!-- end NAME -->` in
-DOCS/explanation/friction.md and DOCS/reports/verification.md, and writes OUTDIR/curve_*.txt for the pictures. Exit status 1 when a check fails.
+DOCS/reports/friction.md and DOCS/reports/verification.md, and writes OUTDIR/curve_*.txt for the pictures. Exit status 1 when a check fails.
 Python's own library only. SPDX-License-Identifier: GPL-2.0-or-later"""
 import csv
 import glob
@@ -112,15 +112,23 @@ def line(x, y):
 
 
 class Checks:
+    """A check belongs to a group; the page has a row per group with the range of what was found."""
+
     def __init__(self):
         self.rows, self.failed = [], 0
 
-    def add(self, what, value, good):
-        self.rows.append([what, value, "yes" if good else "NO"])
+    def add(self, group, what, value, unit, good):
+        self.rows.append((group, what, value, unit, "yes" if good else "NO"))
         self.failed += not good
 
     def table(self):
-        return markdown(["check", "found", "met"], self.rows)
+        lines = []
+        for group in dict.fromkeys(r[0] for r in self.rows):
+            rows = [r for r in self.rows if r[0] == group]
+            found = sorted({float(f"{r[2]:.4g}") for r in rows})
+            text = " to ".join(f"{v:g}" for v in dict.fromkeys((found[0], found[-1]))) + rows[0][3]
+            lines.append(f"- {group}: {text} ({sum(r[4] == 'yes' for r in rows)}/{len(rows)})\n")
+        return "".join(lines)
 
 
 # ---- uniaxial compression ----
@@ -142,15 +150,15 @@ def angle_table(sets, checks):
                     means = [-mean(s.values(name, s.row_at(strain))) for s in chosen]
                     spread = max(deviation(s.values(name, s.row_at(strain))) for s in chosen)
                     slope, fit = line(tangents, means)
-                    rows.append([boundary, axis, f"{strain:g}", what] + [f"{m:.4f}" for m in means] +
-                                [f"{spread:.4f}", f"{slope:+.4f}", f"{fit:.4f}"])
+                    if axis == 1 and (strain == 0.1 or strain == end):
+                        rows.append([boundary, f"{strain:g}", what] + [f"{m:.4f}" for m in means] +
+                                    [f"{spread:.4f}", f"{fit:.4f}"])
                     if boundary == "taylor":
                         good = fit > LINEAR and (slope > 0) == (what == "along")
-                        checks.add(f"Taylor, compression along axis {axis}, {strain:g}: stress {what} "
-                                   f"{'rises' if what == 'along' else 'falls'} linearly in tan(rho), R^2 > {LINEAR}",
-                                   f"slope {slope:+.4f}, R^2 {fit:.4f}", good)
-    return markdown(["condition", "axis", "strain", "stress"] + [f"{a} deg" for a in ANGLES] +
-                    ["largest deviation", "slope over tan(rho)", "R^2"], rows)
+                        checks.add(f"Taylor, compression: stress {what} {'rises' if what == 'along' else 'falls'} linearly in tan(rho), "
+                                   f"R^2 > {LINEAR}", f"axis {axis}, {strain:g}", fit, "", good)
+    return markdown(["condition", "strain", "stress"] + [f"{a} deg" for a in ANGLES] +
+                    ["largest deviation", "R^2"], rows)
 
 
 # ---- simple shear ----
@@ -174,23 +182,22 @@ def shear_table(sets, checks):
             for name in ("s11", "s22", "s12"):
                 changes = [shear_change(sets, boundary, axis, name, a) for a in ANGLES[1:]]
                 last = [mean(sets["shear", boundary, axis, a, 0].values(name, -1)) for a in ANGLES]
-                rows.append([boundary, axis, name[1:]] + [f"{v:.4f}" for v in last] +
-                            [f"{100 * c[0]:.1f} %" for c in changes] + [f"{changes[-1][1]:g}", "-" if math.isnan(changes[-1][2]) else f"{changes[-1][2]:.1f}"])
+                if axis == 1:
+                    rows.append([boundary, name[1:]] + [f"{last[0]:.4f}", f"{last[-1]:.4f}"] + [f"{100 * c[0]:.1f} %" for c in changes])
                 if boundary == "taylor":
                     limit = SHEAR if name == "s12" else NORMAL
-                    checks.add(f"Taylor, simple shear along axis {axis}, component {name[1:]}: 30 degrees change it by less than {100 * limit:g} %",
-                               f"{100 * changes[-1][0]:.1f} %", changes[-1][0] < limit)
-    return markdown(["condition", "axis", "component"] + [f"end, {a} deg" for a in ANGLES] + [f"change, {a} deg" for a in ANGLES[1:]] +
-                    ["30 deg: at the shear", "over the deviation there"], rows)
+                    checks.add(f"Taylor, simple shear, {'shear' if name == 's12' else 'normal'} stress: 30 degrees change it by less than "
+                               f"{100 * limit:g} %", f"axis {axis}, component {name[1:]}", 100 * changes[-1][0], " %", changes[-1][0] < limit)
+    return markdown(["condition", "component", "end, 0 deg", "end, 30 deg"] + [f"change, {a} deg" for a in ANGLES[1:]], rows)
 
 
 # ---- cyclic shear ----
 
 def loop(p):
-    """Area of the loop of s12 over F12, largest |s12|, and |s12| at the two turns, all over E."""
+    """Area of the loop of s12 over F12 and largest |s12|, over E."""
     x, y = p.column["F12"][START:], p.stress("s12")[START:]
     area = sum(0.5 * (a + b) * (v - u) for u, v, a, b in zip(x, x[1:], y, y[1:]))
-    return area, max(map(abs, y)), abs(y[x.index(max(x))]), abs(y[x.index(min(x))])
+    return area, max(map(abs, y))
 
 
 def cyclic_table(sets, checks):
@@ -200,32 +207,18 @@ def cyclic_table(sets, checks):
         size, wide = float(most("cyclic", boundary)), {}
         for h, s in both.items():
             loops = [loop(p) for p in s.whole]
-            area, top, first, second = (mean([v[k] for v in loops]) for k in range(4))
+            area, top = (mean([v[k] for v in loops]) for k in range(2))
             wide[h] = area, area / (4 * size * top), top
             rows.append([boundary, f"{size:g}", "0" if h == 0 else "E", len(loops), f"{area:.5f}", f"{deviation([v[0] for v in loops]):.5f}",
-                         f"{wide[h][1]:.3f}", f"{top:.4f}", f"{first:.4f}", f"{second:.4f}"])
+                         f"{wide[h][1]:.3f}", f"{top:.4f}"])
         if boundary == "taylor" and len(wide) == 2:
-            checks.add("Taylor: the loop with h = 0 is flat, area below 0.1 of its rectangle", f"{wide[0][1]:.3f}", wide[0][1] < 0.1)
-            checks.add("Taylor: the loop with h = E is wide, more than twice the area of that with h = 0",
-                       f"{wide[1000][0] / wide[0][0]:.2f} times", wide[1000][0] > 2 * wide[0][0])
-            checks.add("Taylor: the amplitude of the shear stress grows with hardening", f"{wide[1000][2] / wide[0][2]:.3f} times",
+            checks.add("Taylor: the loop with h = 0 is flat, area below 0.1 of its rectangle", "", wide[0][1], "", wide[0][1] < 0.1)
+            checks.add("Taylor: the loop with h = E has more than twice that area", "", wide[1000][0] / wide[0][0], " times",
+                       wide[1000][0] > 2 * wide[0][0])
+            checks.add("Taylor: the amplitude of the shear stress grows with hardening", "", wide[1000][2] / wide[0][2], " times",
                        wide[1000][2] > wide[0][2])
     return markdown(["condition", "amplitude", "h", "packings", "area of the loop", "its deviation", "area over its rectangle",
-                     "largest shear stress", "at the first turn", "at the second turn"], rows)
-
-
-def reach_table(sets):
-    """How far the paths got."""
-    rows = []
-    for boundary in BOUNDARIES:
-        for h in (0, 1000):
-            paths = sets["cyclic", boundary, 1, 30, h].paths
-            if not paths:
-                continue
-            rows.append([boundary, "0" if h == 0 else "E", len(paths), sum(p.status == 0 for p in paths)] +
-                        ([""] if all(p.status == 0 for p in paths) else
-                         [", ".join(f"{p.column['F12'][-1]:.4g}" if p.rows > START + 1 else "in the compression" for p in paths if p.status)]))
-    return markdown(["condition", "h", "packings", "came to the end", "the others ended at F12 ="], rows)
+                     "largest shear stress"], rows)
 
 
 # ---- what went wrong on the way ----
@@ -241,10 +234,10 @@ def effort_table(sets):
             for name, paths in groups.items():
                 if not paths:
                     continue
-                rows.append([kind, boundary, name, len({p.packing for p in paths}), len(paths), sum(p.rows for p in paths),
+                rows.append([kind, boundary, name, len(paths), sum(p.rows for p in paths),
                              sum(p.cut for p in paths), sum(p.status != 0 for p in paths),
                              f"{1000 * median([mean(p.column['seconds']) for p in paths if p.rows]):.1f}"])
-    return markdown(["experiment", "condition", "hardening", "packings", "paths", "increments", "cut", "paths that ended early", "ms an increment"], rows)
+    return markdown(["experiment", "condition", "hardening", "paths", "increments", "bisected", "ended early", "ms an increment"], rows)
 
 
 def failures(sets):
@@ -256,12 +249,17 @@ def failures(sets):
 # ---- what test_friction printed ----
 
 def rotation_table(text):
-    rows, head = [], []
+    """A row for each condition with the printed slip; of the objective one the largest over all conditions."""
+    rows, head, objective = [], [], []
     for boundary, slip, values in re.findall(r"^([\w-]+) +(projected|objective)((?: +[\d.]+: \S+)+)", text, re.M):
         pairs = re.findall(r"([\d.]+): (\S+)", values)
         head = [f"{a} deg" for a, _ in pairs]
-        rows.append([boundary, "printed (7.5)" if slip == "projected" else "objective"] + ["no equilibrium" if v == "inf" else v for _, v in pairs])
-    return markdown(["condition", "slip"] + head, rows)
+        if slip == "projected":
+            rows.append([boundary] + ["no equilibrium" if v == "inf" else v for _, v in pairs])
+        else:
+            objective.append([float(v) for _, v in pairs])
+    rows.append(["objective slip, all"] + [f"{max(column):.1e}" for column in zip(*objective)])
+    return markdown(["condition"] + head, rows)
 
 
 def energy_table(text):
@@ -280,12 +278,11 @@ def better_than_linear(runs):
         attempts = [(k, a[-1]) for k, a in run.attempts.items() if k < len(run.steps)]
         ends = [(k, r) for k, r in ((k, block.ending(a)) for k, a in attempts) if r]
         orders = sorted(block.order(r) for _, r in ends)
-        short = len(attempts) - len(ends)
         iterations = [len(a) - 1 for _, a in attempts]
-        rows.append([run.name, len(run.steps), f"{min(iterations)} ... {max(iterations)}", len(ends), short, f"{median(orders):.2f}",
+        rows.append([run.name, f"{min(iterations)}-{max(iterations)}", f"{len(ends)}/{len(run.steps)}", f"{median(orders):.2f}",
                      f"{sum(p > 1 for p in orders)} ({100 * sum(p > 1 for p in orders) / len(orders):.0f} %)",
                      f"{sum(p > 1.5 for p in orders)} ({100 * sum(p > 1.5 for p in orders) / len(orders):.0f} %)"])
-    return markdown(["run", "increments", "iterations of the last part", "with an order", "too few residuals", "median order", "above 1", "above 1.5"], rows)
+    return markdown(["run", "iterations of the last substep", "with an order", "median order", "above 1", "above 1.5"], rows)
 
 
 def block_parts(out, checks):
@@ -293,15 +290,14 @@ def block_parts(out, checks):
     for name, run in runs.items():
         run.name = name
     shown = [r for r in runs.values() if r.present]
-    rough = [r for r in shown if r.name.startswith("friction20")]
     main = runs["friction20_periodic"]
-    checks.add("Block, 20 degrees, periodic: reaches 3 mm", f"{main.displacement():g} mm", main.present and main.done and main.displacement() == 3)
+    checks.add("Block, 20 degrees, periodic: reaches 3 mm", "", main.displacement(), " mm", main.present and main.done and main.displacement() == 3)
     orders = [block.order(r) for r in (block.ending(a[-1]) for k, a in main.attempts.items() if k < len(main.steps)) if r]
     share = sum(p > 1.5 for p in orders) / len(main.steps)
-    checks.add("Block, 20 degrees, periodic: order above 1.5 in most increments", f"{100 * share:.0f} % of {len(main.steps)}", share > 0.5)
-    return {"friction runs": block.run_table(shown), "friction residuals": block.residual_table(main),
-            "friction orders": better_than_linear(shown), "friction curves": block.curve_table(shown),
-            "friction selected": block.selected_orders(rough)}
+    checks.add("Block, 20 degrees, periodic: order above 1.5 in most increments", f"of {len(main.steps)}", 100 * share, " %", share > 0.5)
+    rough = [r for r in shown if r.name.startswith("friction20")]
+    return {"friction runs": block.run_table(rough), "friction residuals": block.residual_table([main]),
+            "friction orders": better_than_linear(rough), "friction curves": block.curve_table(rough)}
 
 
 def main():
@@ -325,15 +321,15 @@ def main():
             os.remove(curve)
     with open(f"{out}/test_friction.txt", errors="replace") as f:
         text = f.read()
-    lost = failures(sets)
-    parts = {"angles": angle_table(sets, checks), "shear": shear_table(sets, checks), "cyclic": cyclic_table(sets, checks), "reach": reach_table(sets),
-             "effort": effort_table(sets) + "".join(f"\n- {t}" for t in lost), "rotations": rotation_table(text), "energy": energy_table(text)}
+    parts = {"angles": angle_table(sets, checks), "shear": shear_table(sets, checks), "cyclic": cyclic_table(sets, checks),
+             "rotations": rotation_table(text), "energy": energy_table(text)}
     blocks = block_parts(out, checks)
     parts["checks"] = checks.table()
-    block.replace(f"{docs}/explanation/friction.md", parts)
+    print(effort_table(sets) + "".join(f"\n- {t}" for t in failures(sets)))
+    block.replace(f"{docs}/reports/friction.md", parts)
     block.replace(f"{docs}/reports/verification.md", blocks)
-    for what, value, met in checks.rows:
-        print(f"{'ok  ' if met == 'yes' else 'FAIL'} {what}: {value}")
+    for group, what, value, unit, met in checks.rows:
+        print(f"{'ok  ' if met == 'yes' else 'FAIL'} {group}{', ' * bool(what)}{what}: {value:.4g}{unit}")
     return 1 if checks.failed else 0
 
 

@@ -11,9 +11,8 @@ import sys
 BIAXIAL = ("biaxial_taylor", "biaxial_restricted", "biaxial_periodic")
 SLOPE = ("slope_taylor", "slope_periodic_friction")
 CONFINED = 10  # increments of the confinement of the biaxial test
-SELECTED = {"biaxial": (2, 6, 10, 17, 25, 35, 45), "slope_taylor": (1, 6, 10, 15, 18, 21),
-            "slope_periodic_friction": (1, 8, 16, 24, 32, 40, 48, 56, 64, 72)}
-LOADS = (0, 10, 20, 30, 40)  # MN, of the footing
+SELECTED = {"slope_taylor": (1, 10, 21), "slope_periodic_friction": (1, 24, 32, 40, 56, 72)}
+LOADS = (0, 10, 20, 40)  # MN, of the footing
 
 
 def rows_of(path):
@@ -55,17 +54,11 @@ def markdown(head, rows):
     return "\n".join("| " + " | ".join(str(c) for c in line) + " |" for line in lines) + "\n"
 
 
-def residuals(run, selected):
-    """One row per load step; the last attempt, and how many went before."""
-    chosen = [m for m in selected if m < len(run.steps)]
-    if not chosen:
-        return ""
-    columns = max(len(run.attempts[m][-1]) for m in chosen)
-    rows = []
-    for m in chosen:
-        values = run.attempts[m][-1]
-        rows.append([m] + [f"{v:.3E}" for v in values] + [""] * (columns - len(values)) + [len(run.attempts[m]) - 1])
-    return f"`{run.name}`:\n\n" + markdown(["mls"] + [f"iteration {k + 1}" for k in range(columns)] + ["attempts before"], rows)
+def residuals(runs, selected):
+    """One row per load step: residuals of the last attempt, and how many went before."""
+    rows = [[r.name, m, " ".join(f"{v:.3E}" for v in r.attempts[m][-1][1:]), len(r.attempts[m]) - 1]
+            for r in runs for m in selected[r.name] if m < len(r.steps)]
+    return markdown(["run", "mls", "residuals from iteration 2 on", "attempts before"], rows)
 
 
 def runs_table(runs):
@@ -75,7 +68,7 @@ def runs_table(runs):
         rows.append([r.name, r.status, increments, r.total("iterations"), r.total("cuts"), r.total("jumps"),
                      f"{min(s['min_acoustic'] for s in r.steps):.3g}", int(max(s["unjammed"] for s in r.steps)), f"{r.seconds:.0f}",
                      f"{100 * r.micro / r.seconds:.0f} %"])
-    return markdown(["run", "outcome", "increments", "iterations", "cuts", "jumps passed", "smallest acoustic eigenvalue", "unjammed points",
+    return markdown(["run", "outcome", "increments", "iterations", "bisections", "instabilities", "smallest acoustic eigenvalue", "unjammed points",
                      "seconds", "of these micro"], rows)
 
 
@@ -100,9 +93,9 @@ def slope_table(runs):
             if not found:
                 continue
             m, s = found[-1], r.steps[found[-1]]
-            rows.append([r.name, m, f"{-s['footing_fy_footing'] / 1e6:.0f}", f"{-s['footing_uy_footing']:.3f}", f"{s['footing_ux_footing']:.3f}",
+            rows.append([r.name, m, f"{load}", f"{-s['footing_uy_footing']:.3f}", f"{s['footing_ux_footing']:.3f}",
                          f"{-s['footing_turn_footing'] * 57.29577951308232:.3f}", f"{s['dilatancy']:.3f}", f"{s['min_acoustic']:.3g}"])
-    return markdown(["run", "mls", "load (MN)", "settlement of the middle (m)", "towards the slope (m)", "turn towards the slope (degrees)",
+    return markdown(["run", "mls", "load (MN)", "settlement (m)", "towards the slope (m)", "rotation (degrees)",
                      "dilatancy (%)", "smallest acoustic eigenvalue (N/m)"], rows)
 
 
@@ -113,8 +106,7 @@ def main():
     biaxial = [r for r in (Run(out, n) for n in BIAXIAL) if r.present]
     slope = [r for r in (Run(out, n) for n in SLOPE) if r.present]
     parts = {"runs": runs_table(biaxial + slope), "biaxial": biaxial_table(biaxial), "slope": slope_table(slope),
-             "biaxial residuals": "\n".join(residuals(r, SELECTED["biaxial"]) for r in biaxial),
-             "slope residuals": "\n".join(residuals(r, SELECTED[r.name]) for r in slope)}
+             "biaxial residuals": residuals(biaxial, {n: (10, 25, 45) for n in BIAXIAL}), "slope residuals": residuals(slope, SELECTED)}
     with open(report) as f:
         text = f.read()
     for name, part in parts.items():

@@ -204,7 +204,7 @@ static void corner_inside_out(void **state) {
         "a corner of element 0 is turned inside out");
   const double *u = gh_macro_u(p.macro);
   assert_true(u[6] > -0.5 && u[6] < -0.4 && u[7] == u[6]);
-  row(section, "a corner of an element driven inside out", "message, exit status 1; the state before is kept",
+  row(section, "a corner of an element driven inside out", "message, exit status 1",
       "refused: a corner of element 0 is turned inside out");
   drop(&p);
   gh_packing_destroy(&packing);
@@ -280,7 +280,7 @@ static void slope(gh_context *ctx, const gh_packing *packing, gh_boundary b, boo
   sscanf(gh_message(ctx), "%*[^:]: %159[^;:]", reason);
   snprintf(name, sizeof name, "slope loaded to its limit, %s, %s", gh_boundary_name(b),
            friction ? "20 degrees" : "frictionless");
-  row(section, name, "stops with a reason; the last state is kept",
+  row(section, name, "stops with a reason",
       "converged up to %.3g E, at %.3g E refused: no equilibrium after 6 cuts: %s", (n - 1) * increment,
       n * increment, reason);
   drop(&p);
