@@ -6,7 +6,7 @@
 #   make check    installs what is missing, builds, runs all tests
 #   make CC=clang check;   make MPI=0 HDF5=0 check   with clang; without ranks and HDF5 files (docs/user-guide.md). The same
 #                 words again with make, install ...
-#   make plugin   build/granhomplugin.so, granhom's styles for LAMMPS's own program (docs/lammps/README.md)
+#   make plugin   build/granhomplugin.so, granhom's styles for LAMMPS's own program (docs/reference/lammps/README.md)
 #   make debian13 make check in a Debian 13 system made below build/ (scripts/check-debian13.sh; needs root)
 #   make asan     the tests under sanitizers;   make valgrind   under valgrind
 #   make tidy     clang-tidy over all sources (.clang-tidy);   make format, make format-check   clang-format, or what it would change

@@ -163,5 +163,5 @@ const cli_command cli_run = {
         "Ctrl-C ends the run within a moment; a second one ends it at once. What is on disk is complete up "
         "to "
         "the increment before.\n"
-        "The scene file is described in docs/user-guide.md.\n",
+        "`granhom help keys scene` describes the scene file.\n",
     .run = run};

@@ -30,7 +30,7 @@ static const char help[] =
     "run. Runs spread over the ranks of mpirun, one at a time on each. A run that fails is listed with its\n"
     "reason. Ctrl-C ends a study within a moment; runs that are finished stay, and the same command goes on\n"
     "with the others. A second Ctrl-C ends it at once.\n"
-    "The study file is described in docs/study.md.\n"
+    "`granhom help keys study` describes the study file.\n"
     "\n"
     "Exit status: 0 done, also when single runs have failed; 1 no setting has a result, the system refused\n"
     "a run (no memory, a program that is not installed), or the study was stopped; 2 wrong input.\n";

@@ -1,5 +1,5 @@
 #!/bin/sh
-# The tables and pictures of docs/crosscheck.md, into the folder OUT (first argument): about ten minutes.
+# The tables and pictures of docs/reports/crosscheck.md, into the folder OUT (first argument): about ten minutes.
 # SPDX-License-Identifier: GPL-2.0-or-later
 set -eu
 out=${1:-crosscheck-out}

@@ -6,7 +6,7 @@
  * time integration: LAMMPS's pair style gran/hooke/history, in this process, and LIGGGHTS's `gran model
  * hooke/stiffness tangential history`, as a child process. Both integrate the tangential displacement of a
  * contact over the time steps of a damped motion, where granhom takes it from one converged state to the next
- * (docs/crosscheck.md). */
+ * (docs/reports/crosscheck.md). */
 #ifndef GRANHOM_CROSSCHECK_H
 #define GRANHOM_CROSSCHECK_H
 

@@ -8,7 +8,7 @@
 #include <string.h>
 
 /* Damping over sqrt(stiffness mass), and the time step over 1/sqrt(10 E_n + 6 E_t), about the reciprocal of
- * the highest frequency of dense packings. Measured in docs/crosscheck.md: friction stiffens the slow modes,
+ * the highest frequency of dense packings. Measured in docs/reports/crosscheck.md: friction stiffens the slow modes,
  * so that more drag is best; without it, a fifth of this drag lets grains run into other equilibria. */
 static const double VISCOUS = 0.1, VISCOUS_FRICTION = 0.2, CONTACT = 0.3, TIME_STEP = 1.0;
 static const double FLOOR = 1e-9; /* over stiffness and mean radius */

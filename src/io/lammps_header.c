@@ -188,9 +188,10 @@ static gh_status refuse_line(gh_data_parser *p, char *line) {
   if (first && strncmp(p->title, "# vtk", 5) == 0)
     return gh_fail(p->ctx, GH_INPUT, "%s:1: a VTK file, and a LAMMPS data file is wanted", p->r.path);
   if (first && lists_spheres(line))
-    return GH_DATA_FAIL(p, "%s",
-                        "a list of spheres (x y z r) has no cell, which a packing needs; docs/packing.md, "
-                        "\"Lists of spheres\", shows how to make a LAMMPS data file of it");
+    return GH_DATA_FAIL(
+        p, "%s",
+        "a list of spheres (x y z r) has no cell, which a packing needs; docs/how-to/packing.md "
+        "shows how to make a LAMMPS data file of it");
   return GH_DATA_FAIL(p, "'%s' is neither a header line nor a section of a LAMMPS data file", quoted);
 }
 

@@ -5,7 +5,7 @@
 #include <math.h>
 #include <string.h>
 
-/* The measurement that chose them is in docs/user-guide.md, "Known limits". */
+/* docs/reference/limits.md describes them. */
 static const gh_limits defaults = {.overlap_warned = 0.05,
                                    .overlap = 0.2,
                                    .fraction = 1,

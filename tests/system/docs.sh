@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Tables of the documents: no row stands there twice, and no key is explained twice in one table. SPDX-License-Identifier:
-# GPL-2.0-or-later
+# Documents: no row of a table stands there twice, links lead somewhere, and the reference is what the program prints.
+# SPDX-License-Identifier: GPL-2.0-or-later
 set -u
 . tests/shell.sh
 
@@ -26,8 +26,14 @@ if [ "$(twice "$bad_table" | wc -l)" = 2 ]; then ok "rows that are there twice a
 found=$(find README.md docs scenes -name '*.md' -print0 | xargs -0 -n 1 bash -c "$(declare -f twice); twice \"\$1\"" twice)
 if [ -z "$found" ]; then ok "no row of a table is there twice"; else not_ok "no row of a table is there twice" "$found"; fi
 
-# --- the reference is what the program prints ---
+# --- links ---
 begin
+printf '# A b, c!\n[there](#a-b-c) [not](#a-c) [not](no.md)\n```\n[no link](no.md)\n```\n' >links.md
+if [ "$(/usr/bin/env python3 "$root/tests/docs_links.py" links.md | wc -l)" = 2 ]; then ok "links that lead nowhere are found"; else not_ok "links that lead nowhere are found"; fi
+(cd "$root" && find README.md docs/tutorial.md docs/how-to docs/reference scenes -name '*.md' -exec /usr/bin/env python3 tests/docs_links.py {} +) >links
+if [ -z "$(cat links)" ]; then ok "links lead somewhere"; else not_ok "links lead somewhere" "$(cat links)"; fi
+
+# --- the reference is what the program prints ---
 mkdir reference changed
 cp "$root"/docs/reference/*.md reference
 cp "$root"/docs/reference/*.md changed

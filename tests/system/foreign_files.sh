@@ -115,7 +115,7 @@ refused_packing 'a packing without end' '/dev/zero:1: not a text file' ../../../
 { echo '#format x_y_z_r'; awk '/^Atoms/ { inside = 1 } inside && NF >= 7 { printf "%s %s %s %.17g\n", $5, $6, $7, $3 / 2 }' p150.data; } >spheres.txt
 refused_packing 'a list of spheres' 'spheres.txt:2: a list of spheres (x y z r) has no cell' spheres.txt
 # what the documentation shows to do with it, with the cell of the packing
-sed -n '/^awk -v CONVFMT/,/^```/p' "$root/docs/packing.md" | grep -v '^```' >recipe.sh
+sed -n '/^awk -v CONVFMT/,/^```/p' "$root/docs/how-to/packing.md" | grep -v '^```' >recipe.sh
 read -r x0 x1 < <(awk '/xlo xhi/ { print $1, $2 }' p150.data)
 sed -i "s/-v low=[-0-9.,]* -v high=[-0-9.,]*/-v low=$x0,$x0 -v high=$x1,$x1/" recipe.sh
 bash recipe.sh

@@ -186,8 +186,8 @@ static void other_kinds_are_named(void **state) {
   for (size_t k = 0; k < sizeof lists / sizeof *lists; k++)
     assert_refused(
         p, put_file(p, "a.txt", lists[k]),
-        ":2: a list of spheres (x y z r) has no cell, which a packing needs; docs/packing.md, \"Lists of "
-        "spheres\"");
+        ":2: a list of spheres (x y z r) has no cell, which a packing needs; docs/how-to/packing.md "
+        "shows");
   assert_refused(p, put_file(p, "a.txt", "ITEM: TIMESTEP\n0\nITEM: NUMBER OF ATOMS\n"),
                  ":1: a LAMMPS dump, and a data");
   assert_refused(p, put_file(p, "a.vtk", "# vtk DataFile Version 3.0\nx\nASCII\n"), ":1: a VTK file");
