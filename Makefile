@@ -4,7 +4,7 @@
 #   make packages installs the Debian packages that are missing, as the next two do
 #   make demo     installs what is missing, builds, runs a block of sand and draws it
 #   make check    installs what is missing, builds, runs all tests
-#   make CC=clang check;   make MPI=0 HDF5=0 check   with clang; without ranks and HDF5 files (docs/user-guide.md). The same
+#   make CC=clang check;   make MPI=0 HDF5=0 check   with clang; without ranks and HDF5 files (docs/how-to/install.md). The same
 #                 words again with make, install ...
 #   make plugin   build/granhomplugin.so, granhom's styles for LAMMPS's own program (docs/reference/lammps/README.md)
 #   make debian13 make check in a Debian 13 system made below build/ (scripts/check-debian13.sh; needs root)
