@@ -186,8 +186,9 @@ static gh_status crosscheck(cross_job *j) {
   GH_TRY(gh_lock_create(j->ctx, j->folder, &j->lock));
   GH_TRY(gh_crosscheck_run(j->c, j->folder));
   GH_TRY(table_print(j));
-  if (gh_crosscheck_draw(j->c, j->folder) != GH_OK)
-    gh_log(j->ctx, GH_LEVEL_WARNING, "no picture: %s", gh_message(j->ctx));
+  gh_status drawn = gh_crosscheck_draw(j->c, j->folder);
+  if (drawn != GH_OK && drawn != GH_ENGINE) return drawn; /* a picture that cannot be written is missing */
+  if (drawn != GH_OK) gh_log(j->ctx, GH_LEVEL_WARNING, "no picture: %s", gh_message(j->ctx));
   return gh_crosscheck_verdict(j->c);
 }
 

@@ -381,7 +381,7 @@ static gh_status open_dataset(const gh_h5 *f, const char *name, hid_t *set) {
                    last ? last + 1 : name);
   }
   *set = H5Dopen2(f->id, name, H5P_DEFAULT);
-  return *set < 0 ? fail(f, GH_INPUT, "open", name) : GH_OK;
+  return *set < 0 ? fail(f, GH_MEMORY, "open", name) : GH_OK; /* it is there, and not damaged */
 }
 
 static gh_status get(const gh_h5 *f, const char *name, hid_t type, size_t rows, size_t cols, void *data) {
@@ -394,7 +394,7 @@ static gh_status get(const gh_h5 *f, const char *name, hid_t type, size_t rows, 
                 cols);
   if (s == GH_OK) s = check_type(f, name, set, type == H5T_NATIVE_INT);
   if (s == GH_OK && rows && cols && H5Dread(set, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, data) < 0)
-    s = fail(f, GH_INPUT, "read", name);
+    s = fail(f, GH_MEMORY, "read", name);
   H5Dclose(set);
   return s;
 }
@@ -437,7 +437,7 @@ static gh_status get_text(const gh_h5 *f, const char *name, size_t size, char *t
   else if (H5Tget_size(type) > size)
     s = gh_fail(f->ctx, GH_INPUT, "%s: %s is a text of %zu bytes, at most %zu are read", f->path, name,
                 H5Tget_size(type), size);
-  else if (H5Dread(set, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, text) < 0) s = fail(f, GH_INPUT, "read", name);
+  else if (H5Dread(set, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, text) < 0) s = fail(f, GH_MEMORY, "read", name);
   else text[H5Tget_size(type) - 1] = 0;
   if (type >= 0) H5Tclose(type);
   if (space >= 0) H5Sclose(space);

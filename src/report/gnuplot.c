@@ -104,7 +104,7 @@ static gh_status failed(gh_context *ctx, child *c, const char *png, int status) 
     gh_trim(text);
     line = strrchr(text, '\n');
     line = gh_trim(line ? line + 1 : text);
-    read = gh_fail(ctx, GH_SYSTEM, "%s: gnuplot failed (status %d)%s%s", png, status, *line ? ": " : "",
+    read = gh_fail(ctx, GH_ENGINE, "%s: gnuplot failed (status %d)%s%s", png, status, *line ? ": " : "",
                    gh_quote(line, quoted));
   }
   free(text);
@@ -135,7 +135,7 @@ static gh_status child_draw(gh_context *ctx, child *c, const char *png) {
   while (!reason && waitpid(c->pid, &code, 0) < 0)
     if (errno != EINTR) reason = errno;
   if (reason == ENOENT || (!reason && WIFEXITED(code) && WEXITSTATUS(code) == 127))
-    return gh_fail(ctx, GH_SYSTEM, "%s: gnuplot is not installed (Debian: apt-get install gnuplot-nox)", png);
+    return gh_fail(ctx, GH_ENGINE, "%s: gnuplot is not installed (Debian: apt-get install gnuplot-nox)", png);
   if (reason) return gh_fail(ctx, GH_SYSTEM, "%s: gnuplot cannot be started: %s", png, strerror(reason));
   if (WIFEXITED(code) && WEXITSTATUS(code) == 0) return save(ctx, c, png);
   return failed(ctx, c, png, WIFEXITED(code) ? WEXITSTATUS(code) : -1);

@@ -56,11 +56,11 @@ void report_page_close(report_page *p) {
 }
 
 gh_status report_page_write(report_page *p, const char *path) {
-  cairo_status_t s;
-  if (p->svg) {
+  cairo_status_t s = cairo_status(p->c); /* after a failure of its own, cairo draws nothing more */
+  if (s == CAIRO_STATUS_SUCCESS && p->svg) {
     cairo_surface_finish(p->surface);
     s = cairo_surface_status(p->surface);
-  } else {
+  } else if (s == CAIRO_STATUS_SUCCESS) {
     s = cairo_surface_write_to_png_stream(p->surface, bytes_collect, p->bytes);
   }
   if (s == CAIRO_STATUS_SUCCESS) return gh_text_commit(p->bytes, path);

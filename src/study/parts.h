@@ -133,7 +133,7 @@ gh_status study_lattice_answer(gh_context *ctx, const study_lattice *lattice, co
 
 typedef struct study_team study_team;
 /* Collective. comm NULL: this process alone. stop is asked on each rank; once it has said true on one,
- * study_team_stopped is true on all. */
+ * study_team_stopped is true on all. It fails on all ranks or on none. */
 gh_status study_team_create(gh_context *ctx, const void *comm, const study_stop *stop, study_team **team);
 void study_team_destroy(study_team **team); /* collective */
 int study_team_rank(const study_team *team);
@@ -145,6 +145,8 @@ enum { STUDY_NOTE = 1024 };
 void study_team_tell(study_team *team, const char *note);
 /* On rank 0: hear(data, note) for each note that has come. Elsewhere nothing. */
 void study_team_listen(study_team *team, void (*hear)(void *data, const char *note), void *data);
+/* The worst status of all ranks, with a message on those that have none. Collective. */
+gh_status study_team_worst(study_team *team, gh_status status);
 /* Whether all ranks have this number. Collective. */
 bool study_team_alike(study_team *team, uint64_t number);
 /* The flags of rank 0, on all. */

@@ -285,14 +285,13 @@ static gh_status list_runs(job *j) {
 }
 
 /* All ranks have read the same study: they tell each other runs by numbers. */
-static gh_status agree_on_runs(job *j, gh_status status) {
+static gh_status agree_on_runs(job *j) {
   uint64_t sum = study_hash(study_hash_begin, &j->total, sizeof j->total);
-  for (int k = 0; k < j->total && status == GH_OK; k++) {
+  for (int k = 0; k < j->total; k++) {
     const char *id = run_at(j->s, j->all[k])->id;
     sum = study_hash(study_hash(sum, id, strlen(id)), j->all + k, sizeof *j->all);
   }
-  const bool alike = study_team_alike(j->team, status == GH_OK ? sum : ~sum);
-  if (status != GH_OK || alike) return status;
+  if (study_team_alike(j->team, sum)) return GH_OK;
   return gh_fail(j->s->ctx, GH_INPUT,
                  "the ranks have read different studies: each must see the same files (this one: %d runs)",
                  j->total);
@@ -351,13 +350,16 @@ static int by_place(const void *a, const void *b) {
   return x->setting != y->setting ? x->setting - y->setting : x->member - y->member;
 }
 
-/* What is to be done, in the order of the file. */
+/* What is to be done, in the order of the file. On all ranks or on none. */
 static gh_status plan(job *j) {
   unsigned char *flags = NULL;
-  gh_status status = agree_on_runs(j, list_runs(j));
+  gh_status status = gh_text_create(j->s->ctx, &j->given);
+  if (status == GH_OK) status = list_runs(j);
   if (status == GH_OK) status = gh_alloc(j->s->ctx, (size_t)j->total, sizeof *flags, &flags);
+  status = study_team_worst(j->team, status);
+  if (status == GH_OK) status = agree_on_runs(j);
   if (status == GH_OK && study_team_rank(j->team) == 0) status = prepare(j, flags);
-  status = (gh_status)study_team_agree(j->team, (int)status);
+  status = study_team_worst(j->team, status);
   if (status == GH_OK) {
     study_team_share(j->team, flags, j->total);
     for (int k = 0; k < j->total; k++)
@@ -436,7 +438,7 @@ static gh_status conclude(job *j) {
   GH_TRY(write_text(s, folder, "curves.csv", study_write_curves));
   GH_TRY(write_text(s, folder, "study.md", study_write_markdown));
   gh_status drawn = study_draw(s, folder);
-  if (drawn == GH_MEMORY) return drawn;
+  if (drawn != GH_OK && drawn != GH_ENGINE) return drawn; /* a picture that cannot be written is missing */
   if (drawn != GH_OK) gh_log(s->ctx, GH_LEVEL_WARNING, "no pictures: %s", gh_message(s->ctx));
   GH_TRY(look_for_results(s));
   return look_for_refused(s);
@@ -477,8 +479,7 @@ gh_status gh_study_run(gh_study *s, const char *folder, const gh_study_options *
   const study_stop stop = {.asked = o->stop, .data = o->stop_data};
   job j = {.s = s, .folder = folder, .fresh = o->fresh};
   GH_TRY(study_team_create(s->ctx, o->comm, &stop, &j.team));
-  gh_status status = gh_text_create(s->ctx, &j.given);
-  if (status == GH_OK) status = run_all(&j);
+  gh_status status = run_all(&j);
   gh_text_destroy(&j.given);
   free(j.all);
   free(j.todo);

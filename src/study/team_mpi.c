@@ -24,18 +24,38 @@ struct study_team {
   double looked;
 };
 
-gh_status study_team_create(gh_context *ctx, const void *comm, const study_stop *stop, study_team **team) {
-  GH_TRY(gh_alloc(ctx, 1, sizeof **team, team));
-  study_team *t = *team;
-  t->ctx = ctx, t->stop = stop, t->ranks = 1, t->alone = true;
-  if (comm) {
-    MPI_Comm_dup(*(const MPI_Comm *)comm, &t->comm);
-    MPI_Comm_rank(t->comm, &t->rank);
-    MPI_Comm_size(t->comm, &t->ranks);
-    t->alone = t->ranks == 1;
-    if (t->alone) MPI_Comm_free(&t->comm);
+/* ---- all together ---- */
+
+static void rest(void) {
+  static const struct timespec moment = {.tv_nsec = 2000000};
+  nanosleep(&moment, NULL);
+}
+
+static void wait_for(MPI_Request *request) {
+  for (int done = 0;;) {
+    MPI_Test(request, &done, MPI_STATUS_IGNORE);
+    if (done) return;
+    rest();
   }
-  if (t->alone) return gh_alloc(ctx, 1, sizeof *t->counter, &t->counter);
+}
+
+/* A rank that failed alone would leave the others waiting for it. */
+static gh_status worst(gh_context *ctx, MPI_Comm comm, gh_status status) {
+  MPI_Request request;
+  int mine = (int)status, all = mine;
+  MPI_Iallreduce(&mine, &all, 1, MPI_INT, MPI_MAX, comm, &request);
+  wait_for(&request);
+  if (status != GH_OK || all == GH_OK) return status;
+  return gh_fail(ctx, (gh_status)all, "another rank has failed: %s", gh_status_text((gh_status)all));
+}
+
+gh_status study_team_worst(study_team *t, gh_status status) {
+  return t->alone ? status : worst(t->ctx, t->comm, status);
+}
+
+/* ---- a team ---- */
+
+static void window_open(study_team *t) {
   MPI_Win_allocate((MPI_Aint)(t->rank == 0 ? sizeof *t->counter : 0), sizeof *t->counter, MPI_INFO_NULL,
                    t->comm, &t->counter, &t->window);
   MPI_Win_lock_all(0, t->window);
@@ -44,6 +64,29 @@ gh_status study_team_create(gh_context *ctx, const void *comm, const study_stop 
     MPI_Win_sync(t->window);
   }
   MPI_Barrier(t->comm);
+}
+
+gh_status study_team_create(gh_context *ctx, const void *comm, const study_stop *stop, study_team **team) {
+  const MPI_Comm world = comm ? *(const MPI_Comm *)comm : MPI_COMM_NULL;
+  gh_status status = gh_alloc(ctx, 1, sizeof **team, team);
+  study_team *t = *team;
+  if (status == GH_OK) {
+    *t = (study_team){.ctx = ctx, .stop = stop, .ranks = 1};
+    if (comm) MPI_Comm_size(world, &t->ranks);
+    t->alone = t->ranks == 1;
+    if (t->alone) status = gh_alloc(ctx, 1, sizeof *t->counter, &t->counter);
+  }
+  if (comm) status = worst(ctx, world, status);
+  if (status != GH_OK) {
+    if (t) free(t->alone ? t->counter : NULL);
+    free(t);
+    *team = NULL;
+    return status;
+  }
+  if (t->alone) return GH_OK;
+  MPI_Comm_dup(world, &t->comm);
+  MPI_Comm_rank(t->comm, &t->rank);
+  window_open(t);
   return GH_OK;
 }
 
@@ -116,20 +159,7 @@ void study_team_listen(study_team *t, void (*hear)(void *data, const char *note)
   }
 }
 
-/* ---- all together ---- */
-
-static void rest(void) {
-  static const struct timespec moment = {.tv_nsec = 2000000};
-  nanosleep(&moment, NULL);
-}
-
-static void wait_for(MPI_Request *request) {
-  for (int done = 0;;) {
-    MPI_Test(request, &done, MPI_STATUS_IGNORE);
-    if (done) return;
-    rest();
-  }
-}
+/* ---- what all give and get ---- */
 
 bool study_team_alike(study_team *t, uint64_t number) {
   uint64_t both[2] = {number, ~number};
@@ -141,11 +171,24 @@ void study_team_share(study_team *t, unsigned char *flags, int n) {
   if (!t->alone) MPI_Bcast(flags, n, MPI_UNSIGNED_CHAR, 0, t->comm);
 }
 
-/* The text of a rank, in memory that the caller frees. */
-static gh_status receive(study_team *t, int rank, void (*hear)(void *data, const char *note), void *hear_data,
-                         char **text) {
+/* Texts go in pieces, the last of them shorter: a rank without memory for the whole still takes them all, and
+ * nobody waits for it. */
+enum { PIECE = 1 << 14 };
+
+static void text_send(study_team *t, const char *text) {
+  const size_t length = strlen(text);
+  for (size_t sent = 0, n = PIECE; n == PIECE; sent += n) {
+    MPI_Request request;
+    n = length - sent < PIECE ? length - sent : PIECE;
+    MPI_Isend(text + sent, (int)n, MPI_CHAR, 0, TAG_TEXT, t->comm, &request);
+    wait_for(&request);
+  }
+}
+
+static int piece_receive(study_team *t, int rank, void (*hear)(void *data, const char *note), void *hear_data,
+                         char piece[PIECE]) {
   MPI_Status status;
-  int there = 0, size = 0;
+  int there = 0, n = 0;
   for (;;) {
     study_team_listen(t, hear, hear_data);
     MPI_Iprobe(rank, TAG_TEXT, t->comm, &there, &status);
@@ -153,29 +196,38 @@ static gh_status receive(study_team *t, int rank, void (*hear)(void *data, const
     study_team_stopped(t); /* a signal that only this rank gets is passed on */
     rest();
   }
-  MPI_Get_count(&status, MPI_CHAR, &size);
-  GH_TRY(gh_alloc(t->ctx, (size_t)size + 1, 1, text));
-  MPI_Recv(*text, size, MPI_CHAR, rank, TAG_TEXT, t->comm, MPI_STATUS_IGNORE);
+  MPI_Recv(piece, PIECE, MPI_CHAR, rank, TAG_TEXT, t->comm, &status);
+  MPI_Get_count(&status, MPI_CHAR, &n);
   study_team_listen(t, hear, hear_data); /* what was told before the text */
-  return GH_OK;
+  return n;
+}
+
+/* The text of a rank, which the caller destroys. */
+static gh_status text_receive(study_team *t, int rank, void (*hear)(void *data, const char *note),
+                              void *hear_data, gh_text **text) {
+  char piece[PIECE];
+  gh_status status = gh_text_create(t->ctx, text);
+  for (int n = PIECE; n == PIECE;) {
+    n = piece_receive(t, rank, hear, hear_data, piece);
+    if (status == GH_OK) status = gh_text_add(*text, piece, (size_t)n);
+  }
+  return status == GH_OK ? gh_text_check(*text) : status;
 }
 
 gh_status study_team_gather(study_team *t, const char *mine, gh_status (*take)(void *data, const char *text),
                             void *data, void (*hear)(void *data, const char *note), void *hear_data) {
   if (t->alone) return GH_OK;
   if (t->rank > 0) {
-    MPI_Request request;
-    MPI_Isend(mine, (int)strlen(mine), MPI_CHAR, 0, TAG_TEXT, t->comm, &request);
-    wait_for(&request);
+    text_send(t, mine);
     return GH_OK;
   }
   gh_status first = GH_OK;
   for (int rank = 1; rank < t->ranks; rank++) {
-    char *other = NULL;
-    gh_status status = receive(t, rank, hear, hear_data, &other);
-    if (status == GH_OK) status = take(data, other);
+    gh_text *other = NULL;
+    gh_status status = text_receive(t, rank, hear, hear_data, &other);
+    if (status == GH_OK) status = take(data, gh_text_get(other, NULL));
     if (first == GH_OK) first = status; /* the others are heard all the same */
-    free(other);
+    gh_text_destroy(&other);
   }
   return first;
 }

@@ -35,6 +35,7 @@
 #include <sys/stat.h>
 #include <sys/wait.h>
 #include <time.h>
+#include <ucontext.h>
 #include <unistd.h>
 
 extern void *__libc_malloc(size_t), *__libc_calloc(size_t, size_t), *__libc_realloc(void *, size_t),
@@ -462,17 +463,25 @@ int pclose(FILE *file) {
 
 /* ---- crashes ---- */
 
-/* The object whose function has called into the C library, or has failed itself. */
-static void crash_note(int number) {
+/* The object whose function has called into the C library, or has failed itself. A long jump to a place that
+ * libpng or FreeType had not set leaves no stack to look at. No code of granhom's jumps: that is the library.
+ */
+static void crash_note(int number, siginfo_t *signal_info, void *context) {
+  record *r = fault.record;
   void *call[24];
   Dl_info info;
   fault.on = false;
+  (void)signal_info;
+  const void *at = (const void *)((ucontext_t *)context)->uc_mcontext.gregs[REG_RIP];
+  if (dladdr(at, &info) && info.dli_fname && strstr(info.dli_fname, "/libc.so"))
+    memcpy(r->crash, r->library, sizeof r->crash);
   int n = backtrace(call, 24);
-  for (int k = 2; k < n && !*fault.record->crash; k++) { /* behind this function and the signal's frame */
+  for (int k = 2; k < n; k++) { /* behind this function and the signal's frame */
     const char *name = dladdr(call[k], &info) && info.dli_fname ? strrchr(info.dli_fname, '/') : NULL;
     if (!name || strncmp(name, "/libc.so", 8) == 0 || strncmp(name, "/libstdc++", 10) == 0) continue;
     if (strncmp(name, "/libgcc_s", 9) == 0 || strstr(name, "faultpoint")) continue;
-    snprintf(fault.record->crash, sizeof fault.record->crash, "%.60s", name + 1);
+    snprintf(r->crash, sizeof r->crash, "%.60s", name + 1);
+    break;
   }
   signal(number, SIG_DFL);
   raise(number);
@@ -496,8 +505,8 @@ static void crash_watch(void) {
   static const int numbers[] = {SIGSEGV, SIGBUS, SIGFPE, SIGABRT, SIGILL};
   static char room[1 << 16]; /* for a stack that has run over */
   sigaltstack(&(stack_t){.ss_sp = room, .ss_size = sizeof room}, NULL);
-  struct sigaction action = {.sa_handler = crash_note,
-                             .sa_flags = (int)SA_RESETHAND | SA_NODEFER | SA_ONSTACK};
+  struct sigaction action = {.sa_sigaction = crash_note,
+                             .sa_flags = (int)SA_RESETHAND | SA_NODEFER | SA_ONSTACK | SA_SIGINFO};
   for (size_t k = 0; k < sizeof numbers / sizeof *numbers; k++) sigaction(numbers[k], &action, NULL);
 }
 

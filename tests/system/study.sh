@@ -122,6 +122,11 @@ PATH=/nowhere "$granhom" study refused.yaml -o refused --quiet >said 2>err
 [ $? = 1 ] && grep -q '^granhom: the system refused 1 of 3 runs; the first one, micro.engine liggghts: ' err && [ "$(records refused)" = 2 ] &&
   [ "$(grep -c ',done,1,1,5,' refused/study.csv)" = 1 ] && [ "$(grep -c ',failed,1,0,' refused/study.csv)" = 1 ]
 say $? 'a program that is not installed: exit 1 with the rows of the others'
+mkdir -p unwritable/work-precision.png
+"$granhom" study refused.yaml -o unwritable --quiet >said 2>err
+code=$?
+if ! command -v gnuplot >/dev/null; then echo 'skip - a picture that cannot be written (no gnuplot)'
+else [ $code = 1 ] && grep -q '^granhom: unwritable/work-precision.png: cannot write: ' err && [ -s unwritable/study.md ]; say $? 'a picture that cannot be written: exit 1'; fi
 
 # --- stopped and killed ---
 sed 's/increments: 4}\]/increments: 3000}]/; s/\[400000, 2\]/[400000, 300000]/; s/: 1e-11/: 1e-10/' rve.yaml >long.yaml
