@@ -17,18 +17,18 @@ void gh_loads_destroy(gh_loads **loads);
 void gh_loads_clear(gh_loads *loads);
 /* Displacement component dir (0 x, 1 y) of all nodes of a set. A later call for the same node overrides. */
 gh_status gh_loads_displace(gh_loads *loads, int set, int dir, double value);
-/* Pressure > 0 pushes into the body; per reference length and direction (dead), or following the deformed
- * edge. */
+/* Pressure > 0 pushes into the body; per reference length and direction (dead), or a follower load on the
+ * deformed edge. */
 gh_status gh_loads_pressure(gh_loads *loads, int set, double pressure, bool follow);
 /* Force on each node of a set. */
 gh_status gh_loads_force(gh_loads *loads, int set, const double force[2]);
 /* Weight per reference area. */
 gh_status gh_loads_gravity(gh_loads *loads, const double b[2]);
 /* A rigid, massless and rough footing on the straight edge `set`: its nodes move as a rigid body, with finite
- * rotation, from where they are when the footing is first given; a dead force acts on the body at the point
+ * rotation, from where they are when the footing is first given; a dead load acts on the body at the point
  * `at` (reference coordinates; it follows the footing). More forces on the same footing are more calls. The
  * footing stands as long as the loads that are solved for name it. GH_INPUT: no edges, an edge that is not
- * straight, a footing that shares nodes with another one. Nodes that are held as well are found by
+ * straight, a footing that shares nodes with another one. Nodes that are fixed as well are found by
  * gh_macro_solve. */
 gh_status gh_loads_footing(gh_loads *loads, int set, const double at[2], const double force[2]);
 /* Middle between the ends of a footing's edge (reference coordinates) and the point on its line at the
@@ -39,12 +39,12 @@ void gh_footing_point(const gh_mesh *mesh, int set, double eccentricity, double 
 
 typedef struct gh_macro gh_macro;
 
-/* The matrix of Newton's iteration. It decides on the way, not on where it ends: the residual is always that
+/* The matrix of Newton's iteration. It affects the path, not the result: the residual is always that
  * of the packings. */
 typedef enum gh_tangent {
-  GH_TANGENT_ALGORITHMIC, /* of the present iterate: quadratic convergence */
+  GH_TANGENT_ALGORITHMIC, /* of the current iterate: quadratic convergence */
   GH_TANGENT_SYMMETRISED, /* its symmetric part: Cholesky in place of LU; linear where friction is */
-  GH_TANGENT_FROZEN,      /* of the last equilibrium: one factorisation for a part of an increment; linear */
+  GH_TANGENT_FROZEN,      /* of the last equilibrium: one factorisation for a substep; linear */
   GH_TANGENT_ELASTIC      /* of u = 0 before the first increment, where contacts stick: likewise */
 } gh_tangent;
 /* "algorithmic", "symmetrised", "frozen", "elastic"; false when the word is none of them. */
@@ -56,16 +56,16 @@ enum { GH_MACRO_MEMORY = 10 };
 typedef struct gh_macro_options {
   double tolerance;   /* |R_free| <= tolerance (|f_ext| + |R_prescribed|); default 1e-8 */
   int max_iterations; /* default 20 */
-  int cut_steps;      /* how often a failing increment is halved before it is given up; default 6 */
+  int cut_steps;      /* largest depth of bisection of a failing increment; default 6 */
   bool line_search;   /* default true */
   int memory; /* a step of the line search is compared with the largest of the last so many residuals of this
-                 part, 1 to GH_MACRO_MEMORY; default 1 */
+                 substep, 1 to GH_MACRO_MEMORY; default 1 */
   double memory_above; /* ... as long as its own is larger than this times the scale of `tolerance`; default
                           0: always */
-  bool pass_jumps; /* default true: when the cuts are spent, commit the states beyond a jump of the packings
-                      and go on (method 6) */
-  gh_tangent tangent; /* default: algorithmic. With frozen and elastic the packings are asked for tangents at
-                         the end of a part alone, by one evaluation more */
+  bool pass_jumps; /* default true: when bisection is spent, step over an instability of the packings: commit
+                      the post-instability states and continue (method 6) */
+  gh_tangent tangent; /* default: algorithmic. With frozen and elastic the packings compute tangents at the
+                         end of a substep alone, by one evaluation more */
 } gh_macro_options;
 gh_macro_options gh_macro_defaults(void);
 
@@ -84,7 +84,7 @@ typedef void gh_macro_watch(void *data, const gh_macro_iteration *it);
 
 typedef struct gh_macro_report {
   int iterations, substeps, cuts,
-      jumps;                 /* of the increment; jumps: passed discontinuities of the packings (method 6) */
+      jumps; /* of the increment; cuts: bisections; jumps: instabilities stepped over (method 6) */
   double residual, relative; /* at the end */
   double micro_seconds, seconds;
 } gh_macro_report;
@@ -95,35 +95,36 @@ gh_status gh_macro_create(gh_context *ctx, const gh_mesh *mesh, gh_farm *farm,
                           const gh_macro_options *options, gh_macro **macro);
 void gh_macro_destroy(gh_macro **macro);
 void gh_macro_set_watch(gh_macro *macro, gh_macro_watch *watch, void *data);
-/* Holds the initial stress: from now on the internal forces at u = 0 act as fixed outer forces. Before the
+/* Holds the initial stress: from now on the internal forces at u = 0 act as fixed external forces. Before the
  * first solve. */
 gh_status gh_macro_balance(gh_macro *macro);
-/* Finds the equilibrium under `loads` from the last one, and commits. Between the two, dead loads, following
- * pressures and prescribed displacements go linearly, and the reactions of supports that are released fade
- * linearly. GH_INPUT: singular for want of supports (names a node and direction). GH_DIVERGED: cuts spent;
- * the state is that of the last converged part (farm reverted), and the message names the integration point
- * or the node with the largest residual and the reason. */
+/* Finds the equilibrium under `loads` from the last one, and commits. Between the two, dead loads, follower
+ * loads and prescribed displacements go linearly, and the reactions of supports that are released fade
+ * linearly. GH_INPUT: singular for want of supports (names a node and direction). GH_DIVERGED: bisections
+ * spent; the state is that of the last converged substep (farm reverted), and the message names the
+ * integration point or the node with the largest residual and the reason. */
 gh_status gh_macro_solve(gh_macro *macro, const gh_loads *loads, gh_macro_report *report);
-/* ---- what it knows of its error (docs/explanation/method.md) ---- */
+/* ---- estimates of its error (docs/explanation/method.md) ---- */
 
-/* Of all converged parts since the energy was set to zero; the residuals since the begin. */
+/* Of all converged substeps since the energy was set to zero; the residuals since the start. */
 typedef struct gh_energy {
-  double inner_work; /* int P : dF dV0 by the trapezoidal rule over the parts */
+  double inner_work; /* int P : dF dV0 by the trapezoidal rule over the substeps */
   double outer_work; /* of loads, supports and what fades on the displacements, likewise */
-  double freed;      /* what of outer_work exceeds the inner one in jumps, where nothing balances: set free */
+  double freed; /* what of outer_work exceeds inner_work in instabilities, where nothing balances: set free */
   double energy, dissipation; /* gained by the packings and dissipated by friction, summed with the weights of
                                  the points; NAN when the farm is not made of RVEs */
   double largest;             /* largest |inner_work| or |energy + dissipation| seen */
   double scale; /* int |P| |F| dV0 at the end: work below 1e-12 of it is round-off (a rotation) */
-  double residual, micro_residual; /* largest relative residual of a part, and of a packing in it */
+  double residual, micro_residual; /* largest relative residual of a substep, and of a packing in it */
 } gh_energy;
 void gh_macro_energy(const gh_macro *macro, gh_energy *energy);
-/* The present equilibrium is the zero from now on; without this u = 0 is. */
+/* The current equilibrium is the zero from now on; without this u = 0 is. */
 void gh_macro_zero_energy(gh_macro *macro);
-/* Hill-Mandel: inner work less what the packings have gained and dissipated, over `largest`; 0 where all work
- * was round-off. */
+/* Energy imbalance (Hill-Mandel): internal work less what the packings have gained and dissipated, over
+ * `largest`; 0 where all work was round-off. */
 double gh_energy_defect(const gh_energy *energy);
-/* Outer work, what was set free in jumps apart, less inner work, over `largest`. */
+/* Work imbalance: external work, what was set free in instabilities apart, less internal work, over
+ * `largest`. */
 double gh_work_defect(const gh_energy *energy);
 
 /* How the body that goes in halves and the one that goes in whole increments differ. Root mean squares are
@@ -139,25 +140,26 @@ typedef struct gh_difference {
   const double *reactions;      /* in whole increments, nnodes x 2; the macro's, valid until the next call */
   double seconds;               /* of the halves */
 } gh_difference;
-/* gh_macro_solve for two bodies that begin as one: the present state goes on in halves of the increment (of
- * its shortest part where the other was cut), another one in whole increments. Where only one of them finds
- * an equilibrium, or a jump was passed, both go on from it as one. The report is that of the present state,
- * with the seconds of both; the watch sees the halves alone. GH_INPUT: a farm without RVEs. */
+/* gh_macro_solve for two bodies that start as one: the current state continues in halves of the increment (of
+ * its shortest substep where the other was bisected), another one in whole increments. Where only one of them
+ * finds an equilibrium, or an instability was stepped over, both continue from it as one. The report is that
+ * of the current state, with the seconds of both; the watch sees the halves alone. GH_INPUT: a farm without
+ * RVEs. */
 gh_status gh_macro_solve_twice(gh_macro *macro, const gh_loads *loads, gh_macro_report *report,
                                gh_difference *difference);
-/* Both go on from the present state as one. */
+/* Both continue from the current state as one. */
 void gh_macro_join(gh_macro *macro);
-/* Whether the two are apart; exchanges them (for saving both); makes the present state, macro and farm, the
+/* Whether the two are apart; exchanges them (for saving both); makes the current state, macro and farm, the
  * one of the whole increments (for loading both: this one first). */
 bool gh_macro_apart(const gh_macro *macro);
 gh_status gh_macro_exchange(gh_macro *macro);
 gh_status gh_macro_part(gh_macro *macro);
 
-/* How often the next increments may be halved, in place of the option's cut_steps (0 ... 40). */
+/* Depth of bisection of the next increments, in place of the option's cut_steps (0 ... 40). */
 void gh_macro_allow_cuts(gh_macro *macro, int cut_steps);
 
 /* All that the next gh_macro_solve starts from, without the states of the farm, as numbers: a macro of the
- * same mesh and options that loads them goes on to the same last bit. GH_INPUT: not of this mesh. */
+ * same mesh and options that loads them continues to the same last bit. GH_INPUT: not of this mesh. */
 size_t gh_macro_state_size(const gh_macro *macro);
 void gh_macro_save(const gh_macro *macro, double *state);
 gh_status gh_macro_load(gh_macro *macro, const double *state, size_t size);

@@ -42,6 +42,9 @@ gh_status gh_mesh_check(gh_context *ctx, const gh_mesh *mesh);
 bool gh_quad_convex(const double x[4][2]);
 /* Index of the set of that name; -1 when there is none. */
 int gh_mesh_find(const gh_mesh *mesh, const char *name);
+/* Name of degree of freedom 2 a + i, component i of node a: "node 7 at (1, 2) in x". Returns text. */
+enum { GH_DOF_NAME = 96 };
+const char *gh_mesh_dof_name(const gh_mesh *mesh, int dof, char text[GH_DOF_NAME]);
 /* Reference coordinates (nelements * 4 x 2) of the Gauss points, point 4 e + g. */
 void gh_mesh_gauss(const gh_mesh *mesh, double *XG);
 void gh_mesh_destroy(gh_mesh **mesh);

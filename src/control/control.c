@@ -401,7 +401,8 @@ static gh_status recover(gh_control *c, goal *q, walk *w, double t) {
     return GH_OK;
   }
   if (!c->options.pass_jumps || r->jumps == JUMPS)
-    return gh_prefix(c->ctx, GH_DIVERGED, "no equilibrium after %d cuts and %d passed jumps: ", r->cuts,
+    return gh_prefix(c->ctx, GH_DIVERGED,
+                     "no equilibrium after %d bisections and %d instabilities stepped over: ", r->cuts,
                      r->jumps);
   r->jumps++;
   GH_TRY(servo(c, q));

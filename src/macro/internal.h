@@ -6,26 +6,28 @@
 
 #include "granhom/macro.h"
 
-/* ---- loads.c ---- */
+/* ---- edges.c ---- */
 
 /* Force on each of the two nodes of an edge from a to b, body on the left, under a pressure per length. */
 void gh_edge_force(const double a[2], const double b[2], double pressure, double f[2]);
 /* Derivative of minus the forces on (a, b) with respect to the positions of (a, b). Unsymmetric. */
 void gh_edge_stiffness(double pressure, double K[4][4]);
 
+/* ---- loads.c ---- */
+
 typedef struct gh_edge_load {
   int a, b;
   double pressure;
 } gh_edge_load;
 
-/* Following pressures. */
+/* Follower loads. */
 typedef struct gh_edge_loads {
   int n;
   size_t capacity;
   gh_edge_load *edge;
 } gh_edge_loads;
 
-/* What acts on a footing, dead: a force and its arms, arm_ij = f_i z_j with z the arm in the reference about
+/* The dead load of a footing: a force and its arms, arm_ij = f_i z_j with z the arm in the reference about
  * the middle of the edge. The moment at any turn is linear in them, so loads add and mix. */
 typedef struct gh_footing_load {
   int set;
@@ -55,15 +57,16 @@ typedef struct gh_footing {
   int end[2];           /* nodes at the ends of its edge */
   double half;          /* half the distance between them in the reference */
   gh_footing_load from; /* its load at eq */
-  double fade[3];       /* what holds it at eq and is no load: fades like gh_macro.fade */
+  double fade[3];       /* what fixes it at eq and is no load: fades like gh_macro.fade */
 } gh_footing;
 
 /* moved = u with the footing's nodes moved by dq. */
 void gh_footing_move(const gh_mesh *mesh, const gh_footing *f, const double dq[3], const double *u,
                      double *moved);
-/* Takes over the footings of the loads. GH_INPUT: one of their nodes is held. */
+/* Takes over the footings of the loads. GH_INPUT: one of their nodes is fixed. */
 gh_status gh_footings_begin(gh_macro *m, const gh_loads *to);
-/* Loads and fade at eq, which lies at the fraction t of the way; R: internal minus outer nodal forces there.
+/* Loads and fade at eq, which lies at the fraction t of the path; R: internal minus external nodal forces
+ * there.
  */
 void gh_footings_rebase(gh_macro *m, const gh_loads *to, double t, const double *R);
 /* The entries behind the ndof nodal ones of R at the fraction t; returns the norm of the footings' forces. */
@@ -71,7 +74,7 @@ double gh_footings_residual(const gh_macro *m, const gh_loads *to, double t, boo
                             double *R);
 /* Work of the footings' loads, and of what fades, from m->eq at the fraction t0 to m->now at t1. */
 double gh_footings_work(const gh_macro *m, const gh_loads *to, double t0, double t1, bool fade);
-/* Tells the system how nodes turn with the footings; R: internal minus outer nodal forces at u. */
+/* Gives the system the rotation of nodes with the footings; R: internal minus external nodal forces at u. */
 void gh_footings_tangent(gh_macro *m, const gh_loads *to, double t, const double *u, const double *R);
 
 /* ---- supports.c ---- */
@@ -88,8 +91,8 @@ gh_status gh_system_create(gh_context *ctx, const gh_mesh *mesh, gh_system **sys
 void gh_system_destroy(gh_system **system);
 /* Which degrees of freedom are prescribed, and which nodes follow one of n rigid bodies (owner: the body of
  * each node, -1 for none; NULL: no bodies). A body's three unknowns stand behind the ndof entries of b and x:
- * two displacements and the turn. At the begin of an increment: analyses are not kept from one to the next,
- * because UMFPACK's depends on the values, and a restart has only those to come. */
+ * two displacements and the rotation. At the start of an increment: analyses are not stored from one to the
+ * next, because UMFPACK's depends on the values, and a restart has only those to come. */
 gh_status gh_system_constrain(gh_system *system, const unsigned char *fixed, int n, const int *owner);
 /* Displacement of a node for a unit turn of its body. */
 void gh_system_turn(gh_system *system, int node, const double turn[2]);
@@ -125,24 +128,24 @@ typedef struct gh_state {
   double *fint; /* ndof, internal forces */
 } gh_state;
 
-/* The best iterate beyond a discontinuity that Newton met (jump.c). */
-typedef struct gh_jump {
+/* The best iterate beyond a stress discontinuity that Newton met (instability.c). */
+typedef struct gh_instability {
   double *u;       /* ndof */
   double residual; /* there; infinite while there is none */
   int point;       /* whose stress departs most from its linear prediction, -1 while unknown */
   double change;   /* by how much */
-} gh_jump;
+} gh_instability;
 
 /* What has added up since the energy was set to zero (energy.c). All of it is saved with the state. */
 typedef struct gh_tally {
-  double inner, outer, freed;      /* work; freed: outer minus inner of steps that were not in balance */
+  double inner, outer, freed;      /* work; freed: external minus internal of steps that were not balanced */
   double energy, dissipation;      /* of the packings now, */
   double energy0, dissipation0;    /* and when it was zero */
   double largest;                  /* of |inner| and |energy + dissipation| since then */
-  double residual, micro_residual; /* largest of all converged parts */
+  double residual, micro_residual; /* largest of all converged substeps */
 } gh_tally;
 
-/* The way back to a state between two increments (estimate.c). */
+/* A saved state between two increments (estimate.c). */
 typedef struct gh_keep {
   double *state;
   size_t size, capacity;
@@ -169,7 +172,7 @@ struct gh_macro {
   double *reaction;
   double *f0;           /* holds the initial stress */
   double *force;        /* dead loads at eq, without f0 */
-  gh_edge_loads follow; /* following pressures at eq */
+  gh_edge_loads follow; /* follower loads at eq */
   double *from;         /* u at eq, where the increment starts (increment.c) */
   double *fade;         /* forces at eq that are neither loads nor supports of the increment: they fade */
   double *fext;         /* of the last residual */
@@ -177,54 +180,79 @@ struct gh_macro {
   double *residual;     /* of `now`; these three have 3 nfootings entries more */
   double *trial;        /* of `next` */
   double *du;
-  gh_jump jump;
+  gh_instability instability;
   double *elastic; /* npoints x 16: tangents at u = 0 before the first increment; NULL when not in use */
   bool started;    /* the stress at u = 0 is known */
-  bool solved;     /* an increment was begun */
+  bool solved;     /* an increment was started */
   gh_tally tally;
-  int first_level;  /* parts of an increment are not longer than this many halvings make them; 0 */
-  int deepest;      /* halvings of its shortest converged part */
+  int first_level;  /* smallest depth of bisection of an increment; 0 */
+  int deepest;      /* depth of its shortest converged substep */
   gh_keep begin_of; /* of the increment that is solved twice */
   gh_keep whole;    /* the body that goes in whole increments, */
-  bool apart;       /* where it is another than the present one */
+  bool apart;       /* where it differs from the current one */
   double *compared; /* of solving twice (estimate.c) */
   double begin, micro_seconds;
 };
 
-/* F from u, P and A from the farm, internal forces. Catches what is not finite, det F <= 0 and corners of
- * elements that are turned inside out (GH_DIVERGED).
- */
+/* ---- evaluate.c ---- */
+
+gh_status gh_state_create(const gh_macro *m, gh_state *s);
+void gh_state_destroy(gh_state *s);
+void gh_state_copy(const gh_macro *m, const gh_state *from, gh_state *to);
+void gh_state_swap(gh_state *a, gh_state *b);
+/* F from u, P and A from the farm, internal forces. GH_DIVERGED: what is not finite, det F <= 0, corners of
+ * elements that are turned inside out. */
 gh_status gh_macro_evaluate(gh_macro *m, gh_state *s);
-/* The same with the tangents of another state, which stand in for those that are not asked for. */
+/* The same with the tangents of another state, which stand in for those that are not computed. */
 gh_status gh_macro_evaluate_stress(gh_macro *m, gh_state *s, const gh_state *tangents);
 /* Evaluates u = 0 once. */
 gh_status gh_macro_start(gh_macro *m);
-void gh_state_copy(const gh_macro *m, const gh_state *from, gh_state *to);
-void gh_state_swap(gh_state *a, gh_state *b);
-/* "(x, y)"-like name of a degree of freedom: "node 7 at (1, 2) in x". */
-const char *gh_dof_name(const gh_mesh *mesh, int dof, char text[96]);
 
-/* ---- newton.c ---- */
+/* ---- residual.c ---- */
 
-/* One attempt to reach the fraction t of the way from m->eq to the loads `to`. */
+/* One attempt to reach the fraction t of the path from m->eq to the loads `to`. */
 typedef struct gh_attempt {
   const gh_loads *to;
   double t;
   int substep, iterations;
   double residual, scale;         /* of m->now */
-  double before[GH_MACRO_MEMORY]; /* residuals of m->now in this part, the latest first; 0: none */
+  double before[GH_MACRO_MEMORY]; /* residuals of m->now in this substep, the latest first; 0: none */
   bool released;                  /* fading forces do not act */
-  bool present;                   /* iterate with present tangents, whatever the option says */
+  bool present;                   /* iterate with current tangents, whatever the option says */
 } gh_attempt;
 
-/* Outer forces at the fraction t and at displacements u, `fade` left out where told. */
-void gh_outer_forces(const gh_macro *m, const gh_loads *to, double t, bool fade, const double *u, double *f);
-/* GH_OK: m->now is in equilibrium and the farm's trial state belongs to it. GH_DIVERGED: it was not found;
- * the message says why. */
-gh_status gh_newton(gh_macro *m, gh_attempt *a);
+/* External forces at the fraction t and at displacements u; f: ndof. Without `fade` those that fade are left
+ * out. */
+void gh_external_forces(const gh_macro *m, const gh_loads *to, double t, bool fade, const double *u,
+                        double *f);
+/* Entries of residuals and corrections: the nodes', then those of the footings. */
+static inline int gh_residual_size(const gh_macro *m) {
+  return m->ndof + 3 * m->nfootings;
+}
+/* Whether entry d is an unknown: neither prescribed nor the node of a footing. */
+static inline bool gh_residual_is_free(const gh_macro *m, const gh_attempt *a, int d) {
+  return d >= m->ndof || (!a->to->fixed[d] && m->owner[d / 2] < 0);
+}
+/* R = f_int - f_ext at state s, plus K times the prescribed part of du for a prediction. */
+void gh_residual_find(gh_macro *m, const gh_attempt *a, const gh_state *s, const double *predict, double *R);
+/* |R_free| and |f_ext| + |R_prescribed|, footings' forces among f_ext. GH_DIVERGED: one is not finite. */
+gh_status gh_residual_measure(const gh_macro *m, const gh_attempt *a, const double *R, double *residual,
+                              double *scale);
+/* Which residual force is not finite, and the likely cause. Returns GH_DIVERGED. */
+gh_status gh_residual_refuse(const gh_macro *m, const double *R);
+/* The residual that counts as zero at forces of this scale. */
+double gh_residual_limit(const gh_macro *m, double scale);
+bool gh_residual_converged(const gh_macro *m, const gh_attempt *a);
+/* Work of the free residual forces along the correction m->du. */
+double gh_residual_along(const gh_macro *m, const gh_attempt *a, const double *R);
 /* The residual over the forces that act: 1 where there are none. */
 double gh_relative_residual(const gh_attempt *a);
 
+/* ---- newton.c ---- */
+
+/* GH_OK: m->now is in equilibrium and the farm's trial state belongs to it. GH_DIVERGED: it was not found;
+ * the message states why. */
+gh_status gh_newton(gh_macro *m, gh_attempt *a);
 /* Lets the body move from m->eq to an equilibrium under the loads at the fraction a->t without fading forces,
  * down the energy and with a commit after every step, so that the packings go along through their
  * rearrangements (method 6). GH_OK: m->now is in equilibrium and committed, m->eq is the same. */
@@ -238,21 +266,21 @@ void gh_energy_begin(gh_macro *m);
  * the farm's measures are those of m->now, else both are the same. balanced: both are equilibria. Uses
  * m->fext and m->trial. */
 void gh_energy_count(gh_macro *m, const gh_attempt *a, double t0, bool evaluated, bool balanced);
-void gh_energy_residual(gh_macro *m, double relative); /* of a converged part */
+void gh_energy_residual(gh_macro *m, double relative); /* of a converged substep */
 
 /* ---- estimate.c ---- */
 
 void gh_estimate_free(gh_macro *m);
 
-/* ---- jump.c ---- */
+/* ---- instability.c ---- */
 
-void gh_jump_forget(gh_jump *jump);
-/* Offers the trial m->next with its residual as a state beyond a jump. */
-void gh_jump_offer(gh_macro *m, double residual);
+void gh_instability_forget(gh_instability *instability);
+/* Offers the trial m->next with its residual as a post-instability state. */
+void gh_instability_offer(gh_macro *m, double residual);
 /* Evaluates the remembered iterate into m->now. GH_DIVERGED: there is none. */
-gh_status gh_jump_take(gh_macro *m);
+gh_status gh_instability_evaluate(gh_macro *m);
 /* The message of an increment that failed; returns GH_DIVERGED. */
-gh_status gh_jump_explain(gh_macro *m, const gh_attempt *a, const gh_macro_report *report);
+gh_status gh_instability_explain(gh_macro *m, const gh_attempt *a, const gh_macro_report *report);
 /* Appends which integration points are unjammed, if any. */
 void gh_name_unjammed(const gh_macro *m, char *text, size_t size);
 

@@ -46,7 +46,7 @@ gh_status gh_edge_loads_add(gh_context *ctx, gh_edge_loads *list, int a, int b, 
   return GH_OK;
 }
 
-static gh_status find_set(const gh_loads *l, int set, const gh_mesh_set **found) {
+static gh_status loads_find_set(const gh_loads *l, int set, const gh_mesh_set **found) {
   if (set < 0 || set >= l->mesh->nsets)
     return gh_fail(l->ctx, GH_INPUT, "set %d: the mesh has sets 0 to %d", set, l->mesh->nsets - 1);
   *found = l->mesh->sets + set;
@@ -55,7 +55,7 @@ static gh_status find_set(const gh_loads *l, int set, const gh_mesh_set **found)
 
 gh_status gh_loads_displace(gh_loads *l, int set, int dir, double value) {
   const gh_mesh_set *s = NULL;
-  GH_TRY(find_set(l, set, &s));
+  GH_TRY(loads_find_set(l, set, &s));
   if (dir != 0 && dir != 1)
     return gh_fail(l->ctx, GH_INPUT, "set %s: direction %d is neither 0 nor 1", s->name, dir);
   if (!isfinite(value))
@@ -69,7 +69,7 @@ gh_status gh_loads_displace(gh_loads *l, int set, int dir, double value) {
 
 gh_status gh_loads_pressure(gh_loads *l, int set, double pressure, bool follow) {
   const gh_mesh_set *s = NULL;
-  GH_TRY(find_set(l, set, &s));
+  GH_TRY(loads_find_set(l, set, &s));
   if (!isfinite(pressure))
     return gh_fail(l->ctx, GH_INPUT, "set %s: pressure %g is not finite", s->name, pressure);
   if (s->nedges == 0)
@@ -92,7 +92,7 @@ gh_status gh_loads_pressure(gh_loads *l, int set, double pressure, bool follow) 
 
 gh_status gh_loads_force(gh_loads *l, int set, const double force[2]) {
   const gh_mesh_set *s = NULL;
-  GH_TRY(find_set(l, set, &s));
+  GH_TRY(loads_find_set(l, set, &s));
   if (!gh_finite(force, 2))
     return gh_fail(l->ctx, GH_INPUT, "set %s: force (%g, %g) is not finite", s->name, force[0], force[1]);
   for (int k = 0; k < s->nnodes; k++)
@@ -115,18 +115,4 @@ gh_status gh_loads_gravity(gh_loads *l, const double b[2]) {
     }
   }
   return GH_OK;
-}
-
-void gh_edge_force(const double a[2], const double b[2], double pressure, double f[2]) {
-  f[0] = -0.5 * pressure * (b[1] - a[1]);
-  f[1] = 0.5 * pressure * (b[0] - a[0]);
-}
-
-void gh_edge_stiffness(double pressure, double K[4][4]) {
-  double h = 0.5 * pressure;
-  for (int row = 0; row < 4; row += 2) { /* both nodes carry the same force */
-    double x[4] = {0, -h, 0, h}, y[4] = {h, 0, -h, 0};
-    memcpy(K[row], x, sizeof x);
-    memcpy(K[row + 1], y, sizeof y);
-  }
 }

@@ -43,12 +43,12 @@ struct gh_system {
   char method;
 };
 
-static int by_value(const void *p, const void *q) {
+static int int_compare(const void *p, const void *q) {
   return *(const int *)p - *(const int *)q;
 }
 
 /* Neighbours of each node (itself among them), ascending: CSR in first, list. */
-static gh_status node_graph(gh_context *ctx, const gh_mesh *mesh, int **first, int **list) {
+static gh_status mesh_node_graph(gh_context *ctx, const gh_mesh *mesh, int **first, int **list) {
   GH_TRY(gh_alloc(ctx, (size_t)mesh->nnodes + 1, sizeof **first, first));
   int *f = *first;
   for (int e = 0; e < mesh->nelements; e++)
@@ -61,7 +61,7 @@ static gh_status node_graph(gh_context *ctx, const gh_mesh *mesh, int **first, i
   int begin = 0, kept = 0; /* f[a] is now the end of a's run */
   for (int a = 0; a < mesh->nnodes; a++) {
     int end = f[a], run = kept;
-    qsort(*list + begin, (size_t)(end - begin), sizeof **list, by_value);
+    qsort(*list + begin, (size_t)(end - begin), sizeof **list, int_compare);
     for (int k = begin; k < end; k++)
       if (kept == run || (*list)[k] != (*list)[kept - 1]) (*list)[kept++] = (*list)[k];
     f[a] = run;
@@ -71,7 +71,7 @@ static gh_status node_graph(gh_context *ctx, const gh_mesh *mesh, int **first, i
   return GH_OK;
 }
 
-static int find_entry(const gh_system *s, int row, int col) {
+static int matrix_find_entry(const gh_system *s, int row, int col) {
   int low = s->start[col], high = s->start[col + 1] - 1;
   while (low < high) {
     int middle = (low + high) / 2;
@@ -81,10 +81,10 @@ static int find_entry(const gh_system *s, int row, int col) {
   return low;
 }
 
-static gh_status make_pattern(gh_system *s, const gh_mesh *mesh) {
+static gh_status matrix_make_pattern(gh_system *s, const gh_mesh *mesh) {
   int *first = NULL, *list = NULL;
   gh_status status;
-  GH_TRY_OR(node_graph(s->ctx, mesh, &first, &list), done);
+  GH_TRY_OR(mesh_node_graph(s->ctx, mesh, &first, &list), done);
   size_t entries = 4 * (size_t)first[mesh->nnodes];
   GH_TRY_OR(gh_alloc(s->ctx, (size_t)s->ndof + 1, sizeof *s->start, &s->start), done);
   GH_TRY_OR(gh_alloc(s->ctx, entries, sizeof *s->row, &s->row), done);
@@ -98,7 +98,8 @@ static gh_status make_pattern(gh_system *s, const gh_mesh *mesh) {
   }
   s->start[s->ndof] = n;
   for (int col = 0; col < s->ndof; col++)
-    for (int k = s->start[col]; k < s->start[col + 1]; k++) s->mirror[k] = find_entry(s, col, s->row[k]);
+    for (int k = s->start[col]; k < s->start[col + 1]; k++)
+      s->mirror[k] = matrix_find_entry(s, col, s->row[k]);
 done:
   free(first);
   free(list);
@@ -114,7 +115,7 @@ gh_status gh_system_create(gh_context *ctx, const gh_mesh *mesh, gh_system **sys
   s->common.print = 0;
   s->common.final_ll = 1; /* an LDL' of an indefinite matrix would pass unnoticed */
   gh_status status;
-  GH_TRY_OR(make_pattern(s, mesh), failed);
+  GH_TRY_OR(matrix_make_pattern(s, mesh), failed);
   size_t n = (size_t)s->ndof;
   GH_TRY_OR(gh_alloc(ctx, n, sizeof *s->fixed, &s->fixed), failed);
   GH_TRY_OR(gh_alloc(ctx, n / 2, sizeof *s->owner, &s->owner), failed);
@@ -130,7 +131,7 @@ failed:
   return status;
 }
 
-static void forget_analysis(gh_system *s) {
+static void system_forget_factors(gh_system *s) {
   if (s->numeric) umfpack_di_free_numeric(&s->numeric);
   if (s->factor) cholmod_free_factor(&s->factor, &s->common);
   if (s->symbolic) umfpack_di_free_symbolic(&s->symbolic);
@@ -139,7 +140,7 @@ static void forget_analysis(gh_system *s) {
 void gh_system_destroy(gh_system **system) {
   if (!system || !*system) return;
   gh_system *s = *system;
-  forget_analysis(s);
+  system_forget_factors(s);
   cholmod_finish(&s->common);
   free(s->start);
   free(s->row);
@@ -161,8 +162,9 @@ void gh_system_destroy(gh_system **system) {
   *system = NULL;
 }
 
-/* Unknowns that degree of freedom d hangs on: none, itself, or a displacement and the turn of its body. */
-static int unknowns_of(const gh_system *s, const int *place, int d, int unknown[2], int turn[2]) {
+/* Unknowns that degree of freedom d depends on: none, itself, or a displacement and the rotation of its body.
+ */
+static int dof_unknowns(const gh_system *s, const int *place, int d, int unknown[2], int turn[2]) {
   int body = s->owner[d / 2], first = s->nfree - 3 * (s->nbodies - body);
   turn[0] = -1, turn[1] = d;
   if (body < 0) {
@@ -175,13 +177,13 @@ static int unknowns_of(const gh_system *s, const int *place, int d, int unknown[
 }
 
 /* Counts the shares of all entries that touch a body, and writes them where `list` is given. */
-static int find_shares(const gh_system *s, const int *place, share *list) {
+static int shares_find(const gh_system *s, const int *place, share *list) {
   int n = 0;
   for (int c = 0; c < s->ndof; c++)
     for (int k = s->start[c]; k < s->start[c + 1]; k++) {
       int r = s->row[k], col[2], row[2], turn_col[2], turn_row[2];
       if (s->owner[c / 2] < 0 && s->owner[r / 2] < 0) continue;
-      int cols = unknowns_of(s, place, c, col, turn_col), rows = unknowns_of(s, place, r, row, turn_row);
+      int cols = dof_unknowns(s, place, c, col, turn_col), rows = dof_unknowns(s, place, r, row, turn_row);
       for (int i = 0; i < cols; i++)
         for (int j = 0; j < rows; j++, n++)
           if (list) list[n] = (share){row[j], col[i], k, turn_row[j], turn_col[i], 0};
@@ -189,24 +191,24 @@ static int find_shares(const gh_system *s, const int *place, share *list) {
   return n;
 }
 
-static int by_place(const void *p, const void *q) {
+static int share_compare(const void *p, const void *q) {
   const share *a = p, *b = q;
   return a->col != b->col ? a->col - b->col : a->row != b->row ? a->row - b->row : a->source - b->source;
 }
 
-static gh_status collect_shares(gh_system *s, const int *place) {
+static gh_status shares_collect(gh_system *s, const int *place) {
   free(s->shares);
   s->shares = NULL;
-  s->nshares = s->nbodies > 0 ? find_shares(s, place, NULL) : 0;
+  s->nshares = s->nbodies > 0 ? shares_find(s, place, NULL) : 0;
   if (s->nshares == 0) return GH_OK;
   GH_TRY(gh_alloc(s->ctx, (size_t)s->nshares, sizeof *s->shares, &s->shares));
-  find_shares(s, place, s->shares);
-  if (s->nshares > 0) qsort(s->shares, (size_t)s->nshares, sizeof *s->shares, by_place);
+  shares_find(s, place, s->shares);
+  if (s->nshares > 0) qsort(s->shares, (size_t)s->nshares, sizeof *s->shares, share_compare);
   return GH_OK;
 }
 
 /* Rows of column c of the free part: those of its own degree of freedom, then those of bodies. */
-static int fill_column(gh_system *s, const int *place, int c, int n, int *next) {
+static int free_part_fill_column(gh_system *s, const int *place, int c, int n, int *next) {
   int d = s->dof[c];
   for (int k = d < s->ndof ? s->start[d] : 0; d < s->ndof && k < s->start[d + 1]; k++) {
     int r = s->row[k];
@@ -225,8 +227,8 @@ static int fill_column(gh_system *s, const int *place, int c, int n, int *next) 
   return n;
 }
 
-static gh_status make_free_part(gh_system *s, const int *place) {
-  GH_TRY(collect_shares(s, place));
+static gh_status free_part_make(gh_system *s, const int *place) {
+  GH_TRY(shares_collect(s, place));
   size_t most = (size_t)s->start[s->ndof] + (size_t)s->nshares;
   free(s->free_row);
   free(s->source);
@@ -239,7 +241,7 @@ static gh_status make_free_part(gh_system *s, const int *place) {
   int n = 0, next = 0;
   for (int c = 0; c < s->nfree; c++) {
     s->free_start[c] = n;
-    n = fill_column(s, place, c, n, &next);
+    n = free_part_fill_column(s, place, c, n, &next);
   }
   s->free_start[s->nfree] = n;
   return GH_OK;
@@ -248,7 +250,7 @@ static gh_status make_free_part(gh_system *s, const int *place) {
 gh_status gh_system_constrain(gh_system *s, const unsigned char *fixed, int n, const int *owner) {
   size_t nnodes = (size_t)s->ndof / 2;
   bool same = s->constrained && n == s->nbodies && memcmp(s->fixed, fixed, (size_t)s->ndof) == 0;
-  forget_analysis(s);
+  system_forget_factors(s);
   if (same && (n == 0 || memcmp(s->owner, owner, nnodes * sizeof *owner) == 0)) return GH_OK;
   int *place = NULL;
   GH_TRY(gh_alloc(s->ctx, (size_t)s->ndof, sizeof *place, &place));
@@ -262,7 +264,7 @@ gh_status gh_system_constrain(gh_system *s, const unsigned char *fixed, int n, c
     if (!fixed[d] && s->owner[d / 2] < 0) s->dof[s->nfree++] = d;
   }
   for (int k = 0; k < 3 * n; k++) s->dof[s->nfree++] = s->ndof + k;
-  gh_status status = make_free_part(s, place);
+  gh_status status = free_part_make(s, place);
   s->constrained = status == GH_OK;
   free(place);
   return status;
@@ -282,7 +284,7 @@ void gh_system_clear(gh_system *s) {
 
 void gh_system_add(gh_system *s, int n, const int *dof, const double *K) {
   for (int c = 0; c < n; c++)
-    for (int r = 0; r < n; r++) s->value[find_entry(s, dof[r], dof[c])] += K[r * n + c];
+    for (int r = 0; r < n; r++) s->value[matrix_find_entry(s, dof[r], dof[c])] += K[r * n + c];
 }
 
 void gh_system_multiply(const gh_system *s, const double *x, double *y) {
@@ -292,7 +294,7 @@ void gh_system_multiply(const gh_system *s, const double *x, double *y) {
 
 double gh_system_diagonal(const gh_system *s) {
   gh_squares entries = {0};
-  for (int d = 0; d < s->ndof; d++) gh_squares_add(&entries, s->value[find_entry(s, d, d)]);
+  for (int d = 0; d < s->ndof; d++) gh_squares_add(&entries, s->value[matrix_find_entry(s, d, d)]);
   return gh_squares_root(&entries);
 }
 
@@ -300,7 +302,7 @@ char gh_system_method(const gh_system *s) {
   return s->method;
 }
 
-static bool is_symmetric(const gh_system *s) {
+static bool matrix_is_symmetric(const gh_system *s) {
   double largest = 0, difference = 0;
   for (int k = 0; k < s->free_start[s->nfree] + s->nshares; k++) {
     int end = s->free_start[s->nfree], source = k < end ? s->source[k] : s->shares[k - end].source;
@@ -311,7 +313,7 @@ static bool is_symmetric(const gh_system *s) {
   return difference <= asymmetry * largest;
 }
 
-static gh_status substitute_cholmod(gh_system *s) {
+static gh_status system_substitute_cholmod(gh_system *s) {
   size_t n = (size_t)s->nfree;
   cholmod_dense b = {
       .nrow = n, .ncol = 1, .nzmax = n, .d = n, .x = s->b, .xtype = CHOLMOD_REAL, .dtype = CHOLMOD_DOUBLE};
@@ -323,7 +325,7 @@ static gh_status substitute_cholmod(gh_system *s) {
 }
 
 /* GH_DIVERGED without a message: not positive definite. */
-static gh_status solve_cholmod(gh_system *s) {
+static gh_status system_solve_cholmod(gh_system *s) {
   size_t n = (size_t)s->nfree;
   cholmod_common *common = &s->common;
   cholmod_sparse K = {.nrow = n,
@@ -345,7 +347,7 @@ static gh_status solve_cholmod(gh_system *s) {
     return gh_fail(s->ctx, GH_MEMORY, "no memory to factorise %zu equations", n);
   if (common->status != CHOLMOD_OK || s->factor->minor < n || !(cholmod_rcond(s->factor, common) > singular))
     return GH_DIVERGED;
-  return substitute_cholmod(s);
+  return system_substitute_cholmod(s);
 }
 
 static gh_status umfpack_failure(gh_system *s, int code) {
@@ -356,14 +358,14 @@ static gh_status umfpack_failure(gh_system *s, int code) {
   return gh_fail(s->ctx, GH_INTERNAL, "UMFPACK reports error %d", code);
 }
 
-static gh_status substitute_umfpack(gh_system *s) {
+static gh_status system_substitute_umfpack(gh_system *s) {
   double info[UMFPACK_INFO];
   int code = umfpack_di_solve(UMFPACK_A, s->free_start, s->free_row, s->free_value, s->x, s->b, s->numeric,
                               NULL, info);
   return code == UMFPACK_OK ? GH_OK : umfpack_failure(s, code);
 }
 
-static gh_status solve_umfpack(gh_system *s) {
+static gh_status system_solve_umfpack(gh_system *s) {
   double info[UMFPACK_INFO];
   const int *p = s->free_start, *i = s->free_row;
   int code = s->symbolic
@@ -373,23 +375,23 @@ static gh_status solve_umfpack(gh_system *s) {
   if (code == UMFPACK_OK)
     code = umfpack_di_numeric(p, i, s->free_value, s->symbolic, &s->numeric, NULL, info);
   if (code == UMFPACK_OK && !(info[UMFPACK_RCOND] > singular)) code = UMFPACK_WARNING_singular_matrix;
-  return code == UMFPACK_OK ? substitute_umfpack(s) : umfpack_failure(s, code);
+  return code == UMFPACK_OK ? system_substitute_umfpack(s) : umfpack_failure(s, code);
 }
 
-static double value_of(const gh_system *s, int k, bool symmetric) {
+static double matrix_entry(const gh_system *s, int k, bool symmetric) {
   return symmetric ? 0.5 * (s->value[k] + s->value[s->mirror[k]]) : s->value[k];
 }
 
-/* The free part and its right-hand side. `symmetric`: of the symmetric part, which a way down needs; what
+/* The free part and its right-hand side. `symmetric`: of the symmetric part, which a descent needs; what
  * friction adds against it is left out there. */
-static void take(gh_system *s, const double *b, bool symmetric) {
+static void free_part_assemble(gh_system *s, const double *b, bool symmetric) {
   for (int k = 0; k < s->free_start[s->nfree]; k++)
-    s->free_value[k] = s->source[k] < 0 ? 0 : value_of(s, s->source[k], symmetric);
+    s->free_value[k] = s->source[k] < 0 ? 0 : matrix_entry(s, s->source[k], symmetric);
   for (int k = 0; k < s->nshares; k++) {
     const share *part = s->shares + k;
     double factor = (part->turn_row < 0 ? 1 : s->turn[part->turn_row]) *
                     (part->turn_col < 0 ? 1 : s->turn[part->turn_col]);
-    s->free_value[part->target] += factor * value_of(s, part->source, symmetric);
+    s->free_value[part->target] += factor * matrix_entry(s, part->source, symmetric);
   }
   for (int k = 0; k < s->nbodies; k++) {
     int c = s->nfree - 3 * (s->nbodies - k) + 2, at = s->free_start[c];
@@ -399,14 +401,14 @@ static void take(gh_system *s, const double *b, bool symmetric) {
   for (int c = 0; c < s->nfree; c++) s->b[c] = b[s->dof[c]];
 }
 
-static void shift_diagonal(gh_system *s, double shift) {
+static void free_part_shift(gh_system *s, double shift) {
   for (int c = 0; c < s->nfree; c++)
     for (int k = s->free_start[c]; k < s->free_start[c + 1]; k++)
       if (s->free_row[k] == c) s->free_value[k] += shift;
 }
 
 /* The solution in s->x to where it belongs. */
-static gh_status give(gh_system *s, double *x) {
+static gh_status solution_scatter(gh_system *s, double *x) {
   if (!gh_finite(s->x, (size_t)s->nfree))
     return gh_fail(
         s->ctx, GH_DIVERGED,
@@ -420,13 +422,13 @@ gh_status gh_system_descend(gh_system *s, const double *b, double *x) {
   enum { SHIFTS = 40 };
   if (s->nfree == 0) return GH_OK;
   double added = 0, shift = 0, first = 1e-3 * gh_system_diagonal(s) / sqrt((double)s->ndof);
-  take(s, b, true);
+  free_part_assemble(s, b, true);
   s->method = 'c';
   for (int k = 0; k < SHIFTS; k++) {
-    shift_diagonal(s, shift - added);
+    free_part_shift(s, shift - added);
     added = shift;
-    gh_status status = solve_cholmod(s);
-    if (status == GH_OK) return give(s, x);
+    gh_status status = system_solve_cholmod(s);
+    if (status == GH_OK) return solution_scatter(s, x);
     if (status != GH_DIVERGED) return status;
     shift = shift > 0 ? 3 * shift : first;
   }
@@ -435,23 +437,23 @@ gh_status gh_system_descend(gh_system *s, const double *b, double *x) {
 
 gh_status gh_system_solve(gh_system *s, const double *b, double *x) {
   if (s->nfree == 0) return GH_OK;
-  take(s, b, false);
+  free_part_assemble(s, b, false);
   gh_status status = GH_DIVERGED;
-  if (is_symmetric(s)) {
+  if (matrix_is_symmetric(s)) {
     s->method = 'c';
-    status = solve_cholmod(s);
+    status = system_solve_cholmod(s);
   }
   if (status == GH_DIVERGED) {
     s->method = 'u';
-    status = solve_umfpack(s);
+    status = system_solve_umfpack(s);
   }
   GH_TRY(status);
-  return give(s, x);
+  return solution_scatter(s, x);
 }
 
 gh_status gh_system_again(gh_system *s, const double *b, double *x) {
   if (s->nfree == 0) return GH_OK;
   for (int c = 0; c < s->nfree; c++) s->b[c] = b[s->dof[c]];
-  GH_TRY(s->method == 'c' ? substitute_cholmod(s) : substitute_umfpack(s));
-  return give(s, x);
+  GH_TRY(s->method == 'c' ? system_substitute_cholmod(s) : system_substitute_umfpack(s));
+  return solution_scatter(s, x);
 }

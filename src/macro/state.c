@@ -9,14 +9,15 @@
  */
 enum { HEAD = 6, TALLY = sizeof(gh_tally) / sizeof(double), EDGE = 3, FOOTING = 7 };
 
-/* The arrays that an increment begins with: the last equilibrium and what holds it. All else is made anew. */
+/* The arrays that an increment starts with: the last equilibrium and what holds it. All else is recomputed.
+ */
 typedef struct piece {
   double *data;
   size_t n;
 } piece;
 
 enum { PIECES = 9 };
-static int pieces(const gh_macro *m, piece list[PIECES]) {
+static int state_pieces(const gh_macro *m, piece list[PIECES]) {
   size_t d = (size_t)m->ndof, n = (size_t)m->npoints;
   const piece all[PIECES] = {{m->eq.u, d},      {m->eq.F, 4 * n}, {m->eq.P, 4 * n},
                              {m->eq.A, 16 * n}, {m->eq.fint, d},  {m->reaction, d},
@@ -25,15 +26,15 @@ static int pieces(const gh_macro *m, piece list[PIECES]) {
   return m->elastic ? PIECES : PIECES - 1;
 }
 
-static size_t size_for(const gh_macro *m, size_t edges, size_t footings) {
+static size_t state_count(const gh_macro *m, size_t edges, size_t footings) {
   piece list[PIECES];
   size_t size = HEAD + TALLY + EDGE * edges + FOOTING * footings;
-  for (int k = 0, n = pieces(m, list); k < n; k++) size += list[k].n;
+  for (int k = 0, n = state_pieces(m, list); k < n; k++) size += list[k].n;
   return size;
 }
 
 size_t gh_macro_state_size(const gh_macro *m) {
-  return size_for(m, (size_t)m->follow.n, (size_t)m->nfootings);
+  return state_count(m, (size_t)m->follow.n, (size_t)m->nfootings);
 }
 
 void gh_macro_save(const gh_macro *m, double *state) {
@@ -43,7 +44,7 @@ void gh_macro_save(const gh_macro *m, double *state) {
   state += HEAD;
   memcpy(state, &m->tally, sizeof m->tally);
   state += TALLY;
-  for (int k = 0, n = pieces(m, list); k < n; k++) {
+  for (int k = 0, n = state_pieces(m, list); k < n; k++) {
     memcpy(state, list[k].data, list[k].n * sizeof *state);
     state += list[k].n;
   }
@@ -60,7 +61,7 @@ void gh_macro_save(const gh_macro *m, double *state) {
 }
 
 /* Sets and loads of the footings; gh_footings_begin finds all else. */
-static gh_status load_footings(gh_macro *m, const double *state, int count) {
+static gh_status state_load_footings(gh_macro *m, const double *state, int count) {
   gh_footing *list;
   GH_TRY(gh_alloc(m->ctx, (size_t)count + 1, sizeof *list, &list));
   free(m->footing);
@@ -83,14 +84,14 @@ gh_status gh_macro_load(gh_macro *m, const double *state, size_t size) {
   piece list[PIECES];
   double edges = size >= HEAD ? state[2] : -1, footings = size >= HEAD ? state[5] : -1;
   if (!(edges >= 0 && edges < 1e9 && footings >= 0 && footings < 1e9) || state[0] != m->ndof ||
-      state[1] != m->npoints || size != size_for(m, (size_t)edges, (size_t)footings))
+      state[1] != m->npoints || size != state_count(m, (size_t)edges, (size_t)footings))
     return gh_fail(m->ctx, GH_INPUT, "the state of %zu numbers does not belong to this mesh", size);
   m->started = state[3] != 0;
   m->solved = state[4] != 0;
   state += HEAD;
   memcpy(&m->tally, state, sizeof m->tally);
   state += TALLY;
-  for (int k = 0, n = pieces(m, list); k < n; k++) {
+  for (int k = 0, n = state_pieces(m, list); k < n; k++) {
     memcpy(list[k].data, state, list[k].n * sizeof *state);
     state += list[k].n;
   }
@@ -100,5 +101,5 @@ gh_status gh_macro_load(gh_macro *m, const double *state, size_t size) {
       return gh_fail(m->ctx, GH_INPUT, "the state has an edge from node %g to %g", state[0], state[1]);
     GH_TRY(gh_edge_loads_add(m->ctx, &m->follow, (int)state[0], (int)state[1], state[2]));
   }
-  return load_footings(m, state, (int)footings);
+  return state_load_footings(m, state, (int)footings);
 }

@@ -11,30 +11,30 @@ typedef struct body {
   double low[2], high[2];
 } body;
 
-static int find_root(int *parent, int a) {
+static int body_find_root(int *parent, int a) {
   while (parent[a] != a) a = parent[a] = parent[parent[a]];
   return a;
 }
 
-static void join(int *parent, int a, int b) {
-  a = find_root(parent, a);
-  b = find_root(parent, b);
+static void bodies_join(int *parent, int a, int b) {
+  a = body_find_root(parent, a);
+  b = body_find_root(parent, b);
   if (a < b) parent[b] = a;
   else parent[a] = b;
 }
 
 /* parent[a] becomes the lowest node of the body that node a belongs to. */
-static void connect(const gh_mesh *mesh, int nfootings, const gh_footing *footing, int *parent) {
+static void bodies_connect(const gh_mesh *mesh, int nfootings, const gh_footing *footing, int *parent) {
   for (int a = 0; a < mesh->nnodes; a++) parent[a] = a;
   for (int e = 0; e < mesh->nelements; e++)
-    for (int k = 1; k < 4; k++) join(parent, mesh->quad[e][0], mesh->quad[e][k]);
+    for (int k = 1; k < 4; k++) bodies_join(parent, mesh->quad[e][0], mesh->quad[e][k]);
   for (int f = 0; f < nfootings; f++)
     for (int k = 1; k < footing[f].set->nnodes; k++)
-      join(parent, footing[f].set->nodes[0], footing[f].set->nodes[k]);
-  for (int a = 0; a < mesh->nnodes; a++) parent[a] = find_root(parent, a);
+      bodies_join(parent, footing[f].set->nodes[0], footing[f].set->nodes[k]);
+  for (int a = 0; a < mesh->nnodes; a++) parent[a] = body_find_root(parent, a);
 }
 
-static void gather(const gh_mesh *mesh, const unsigned char *fixed, const int *parent, body *bodies) {
+static void bodies_gather(const gh_mesh *mesh, const unsigned char *fixed, const int *parent, body *bodies) {
   for (int a = 0; a < mesh->nnodes; a++) {
     body *b = bodies + parent[a];
     for (int i = 0; i < 2; i++) {
@@ -58,7 +58,7 @@ static void gather(const gh_mesh *mesh, const unsigned char *fixed, const int *p
 
 /* What the supports leave free; NULL when nothing. The rotation is what remains after x and y are eliminated.
  */
-static const char *freedom(const double g[3][3]) {
+static const char *body_free_motion(const double g[3][3]) {
   if (g[0][0] == 0 && g[1][1] == 0) return "in x, in y and to turn";
   if (g[0][0] == 0) return "in x";
   if (g[1][1] == 0) return "in y";
@@ -74,10 +74,10 @@ gh_status gh_supports_check(gh_context *ctx, const gh_mesh *mesh, const unsigned
   gh_status status;
   GH_TRY_OR(gh_alloc(ctx, (size_t)mesh->nnodes, sizeof *parent, &parent), done);
   GH_TRY_OR(gh_alloc(ctx, (size_t)mesh->nnodes, sizeof *bodies, &bodies), done);
-  connect(mesh, nfootings, footing, parent);
-  gather(mesh, fixed, parent, bodies);
+  bodies_connect(mesh, nfootings, footing, parent);
+  bodies_gather(mesh, fixed, parent, bodies);
   for (int a = 0; a < mesh->nnodes && status == GH_OK; a++) {
-    const char *what = parent[a] == a ? freedom((const double(*)[3])bodies[a].gram) : NULL;
+    const char *what = parent[a] == a ? body_free_motion((const double(*)[3])bodies[a].gram) : NULL;
     if (what)
       status = gh_fail(ctx, GH_INPUT, "the supports leave the body with node %d at (%g, %g) free %s", a,
                        mesh->X[2 * a], mesh->X[2 * a + 1], what);

@@ -47,6 +47,13 @@ int gh_mesh_find(const gh_mesh *mesh, const char *name) {
   return -1;
 }
 
+const char *gh_mesh_dof_name(const gh_mesh *mesh, int dof, char text[GH_DOF_NAME]) {
+  int a = dof / 2;
+  snprintf(text, GH_DOF_NAME, "node %d at (%g, %g) in %c", a, mesh->X[2 * a], mesh->X[2 * a + 1],
+           "xy"[dof % 2]);
+  return text;
+}
+
 void gh_mesh_gauss(const gh_mesh *mesh, double *XG) {
   for (int e = 0; e < mesh->nelements; e++)
     for (int g = 0; g < 4; g++) {

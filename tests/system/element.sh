@@ -149,7 +149,7 @@ END
 element --control much.yaml --friction-angle 10 --cut-steps 2 --max-steps 20000 --stop-at-jumps -o much.csv >said 2>&1
 check "a stress beyond the strength: exit 1" test $? = 1
 check "the message names step, increment and reason" grep -q \
-  '^granhom: overload, increment [12] of 2: no equilibrium after 2 cuts and 0 passed jumps: ' said
+  '^granhom: overload, increment [12] of 2: no equilibrium after 2 bisections and 0 instabilities stepped over: ' said
 check "the rows before it are written" test "$(tail -n 1 much.csv | cut -d, -f1)" -ge 2
 
 # --- bad input: exit 2, one message, nothing written ---

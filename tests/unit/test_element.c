@@ -290,7 +290,8 @@ static void test_stop_at_jump(void **state) {
   memcpy(m.Fn, identity, sizeof identity);
   OK(gh_control_create(ctx, &ops, &m, &o, &c));
   OK(gh_control_start(c, identity));
-  FAILS(solve(ctx, c, words, target, &r), GH_DIVERGED, "no equilibrium after 6 cuts and 0 passed jumps");
+  FAILS(solve(ctx, c, words, target, &r), GH_DIVERGED,
+        "no equilibrium after 6 bisections and 0 instabilities");
   assert_false(m.jumped);
   assert_true(gh_control_F(c)[3] >= 0.95); /* the last committed part */
   assert_true(r.mismatch > 1e-3);

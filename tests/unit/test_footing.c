@@ -293,7 +293,7 @@ static void assemble(problem *p) {
   gh_context *ctx = p->ctx;
   gh_macro *g = p->macro;
   OK(gh_macro_evaluate(g, &g->now));
-  gh_outer_forces(g, p->loads, 1, true, g->now.u, g->fext);
+  gh_external_forces(g, p->loads, 1, true, g->now.u, g->fext);
   for (int d = 0; d < g->ndof; d++) g->trial[d] = g->now.fint[d] - g->fext[d];
   gh_system_clear(g->system);
   for (int e = 0; e < p->mesh->nelements; e++) {

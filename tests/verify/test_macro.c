@@ -429,7 +429,7 @@ static void test_balance_of_forces(void **state) {
   solve(&p);
   double sum[3] = {0, 0, 0}, *outer = calloc((size_t)p.macro->ndof, sizeof *outer);
   assert_non_null(outer);
-  gh_outer_forces(p.macro, p.loads, 1, false, gh_macro_u(p.macro), outer);
+  gh_external_forces(p.macro, p.loads, 1, false, gh_macro_u(p.macro), outer);
   const double *r = gh_macro_reactions(p.macro), *u = gh_macro_u(p.macro);
   for (int a = 0; a < p.mesh->nnodes; a++) {
     double fx = r[2 * a] + outer[2 * a], fy = r[2 * a + 1] + outer[2 * a + 1];
