@@ -25,10 +25,10 @@ typedef struct gh_rve_options {
   double tolerance; /* residual: largest force on a free grain over the mean normal contact force; > 0,
                        default 1e-8 */
   long max_steps;   /* relaxation steps before GH_DIVERGED; 0: the default */
-  double accept;    /* when the relaxation steps are spent: force out of balance on a grain, or moment over
-                       radius, up to which the packing is taken as it is; 0, the default: none */
-  gh_relaxation relaxation; /* the way to equilibrium; default GH_RELAX_POLISHED. The others take no Newton
-                               step: relaxation alone has to reach the tolerance */
+  double accept; /* when the relaxation steps are spent: unbalanced force on a grain, or moment over radius,
+                    up to which the packing is accepted unconverged; 0, the default: none */
+  gh_relaxation relaxation; /* the method of finding equilibrium; default GH_RELAX_POLISHED. The others take
+                               no Newton step: relaxation alone has to reach the tolerance */
   double allow_overlap;     /* of accepted states, see granhom/limits.h: 0, the default: gh_default_limits;
                                INFINITY: any; else the largest mean overlap over the mean radius */
 } gh_rve_options;
@@ -46,7 +46,7 @@ typedef struct gh_rve_measures {
   double F[4], P[4], cauchy[4];
   double energy;       /* stored contact energy per reference area (5.1), friction's part included */
   double energy_t;     /* friction's part: elastic slip and hardening (7.6) */
-  double dissipation;  /* dissipated by friction since the begin, per reference area (7.13) */
+  double dissipation;  /* dissipated by friction since the start, per reference area (7.13) */
   double residual;     /* reached (method 3) */
   double mean_force;   /* mean normal contact force */
   double seconds;      /* of this evaluation */
@@ -62,9 +62,9 @@ typedef struct gh_rve_measures {
   int engulfed; /* contacts with an overlap above the smaller radius: a centre lies in the other grain */
   int sliding;  /* contacts on the Coulomb limit */
   int factorisations;
-  int kept;        /* times that slip was kept on the way (docs/explanation/method.md, "Limit cycles") */
+  int kept;        /* intermediate history commits (docs/explanation/method.md, "Limit cycles") */
   int accepted;    /* unconverged: by options.accept, or in gh_rve_reach */
-  int polished;    /* the residual was reached by Newton polish */
+  int polished;    /* the residual was reached by the Newton finish */
   int unjammed;    /* no contact, or free grains without contact force: P = 0, A = 0 */
   int stress_free; /* unjammed, or the contact forces of free grains are mostly round-off: no stress */
   int regularised; /* the tangent's matrix was not positive definite and was shifted */
@@ -89,50 +89,53 @@ void gh_rve_destroy(gh_rve **rve);
  * or not finite. GH_DIVERGED: no equilibrium within max_steps. */
 gh_status gh_rve_evaluate(gh_rve *rve, const double F[4], unsigned want, double P[4], double A[16]);
 /* The same, with a trial state of this RVE (gh_rve_save_trial) that was found from the same converged state:
- * the search for equilibrium begins there if F is near to its F, that is, no farther than a tenth of the way
- * from the converged one to that. A packing that has several equilibria at nearly the same F then stays with
- * the one that it has, where a search from the converged state may come to another. The history of contacts
- * counts from the converged state, or from where slip was kept last on the way to that trial state, so that
- * its tangent holds. NULL, and Taylor's conditions: as gh_rve_evaluate. GH_INPUT: the state does not fit. */
+ * the search for equilibrium starts there if F is near to its F, that is, no farther than a tenth of the
+ * distance from the converged one to that. A packing that has several equilibria at nearly the same F then
+ * stays with the one that it has, where a search from the converged state may come to another. The history of
+ * contacts counts from the converged state, or from the last intermediate history commit before that trial
+ * state, so that its tangent holds. NULL, and Taylor's conditions: as gh_rve_evaluate. GH_INPUT: the state
+ * does not fit. */
 gh_status gh_rve_evaluate_near(gh_rve *rve, const double F[4], const double *near, size_t size, unsigned want,
                                double P[4], double A[16]);
 gh_status gh_rve_commit(
     gh_rve *rve); /* trial state becomes the converged state; without a trial state nothing happens */
 gh_status gh_rve_revert(gh_rve *rve); /* trial state is dropped */
 
-/* An increment along the straight line between two F, row-major. */
+/* An increment along the straight path between two F, row-major. */
 typedef struct gh_rve_way {
-  double from[4], to[4];                               /* from: F of the converged state */
-  int halvings;                                        /* it is done in 2^halvings parts at least */
-  unsigned want;                                       /* of the evaluation at the end */
-  void (*count)(void *data, const gh_rve_measures *m); /* told of each part in equilibrium, before it is
-                                                          committed; NULL: nobody */
+  double from[4], to[4]; /* from: F of the converged state */
+  int halvings;          /* it is done in 2^halvings substeps at least */
+  unsigned want;         /* of the evaluation at the end */
+  void (*count)(void *data,
+                const gh_rve_measures
+                    *m); /* called with each substep in equilibrium, before it is committed; NULL: not */
   void *data;
-  int parts, cuts; /* what came of it: parts in equilibrium, the last one included; how often one was cut */
+  int parts, cuts; /* substeps in equilibrium, the last one included; how often one was bisected */
 } gh_rve_way;
 enum { GH_WAY_CUTS = 6 };
-/* Finds the equilibrium at `to` and makes it the trial state; A (4 x 4, iJkL) as in gh_rve_evaluate. A part
- * that has none is halved, GH_WAY_CUTS times at most below the `halvings`; behind it parts grow again. At the
- * last cut a packing that has spent its steps within three times the tolerance is accepted unconverged. All
- * parts but the last are committed. GH_DIVERGED: cuts are spent; the converged state is that of the last part
- * that was reached. Other errors as in gh_rve_evaluate. */
+/* Finds the equilibrium at `to` and makes it the trial state; A (4 x 4, iJkL) as in gh_rve_evaluate. A
+ * substep that has none is bisected, GH_WAY_CUTS times at most below the `halvings`; behind it substeps grow
+ * again. At the largest depth a packing that has spent its steps within three times the tolerance is accepted
+ * unconverged. All substeps but the last are committed. GH_DIVERGED: bisections are spent; the converged
+ * state is that of the last substep that was reached. Other errors as in gh_rve_evaluate. */
 gh_status gh_rve_reach(gh_rve *rve, gh_rve_way *way, double A[16]);
 
-/* Hill-Mandel along the parts of a path: work of P on F by the trapezoidal rule against what the packing
- * stores and has dissipated, per reference area. Zero to begin with; the first part is the zero of both. */
+/* Hill-Mandel along the substeps of a path: work of P on F by the trapezoidal rule against what the packing
+ * stores and has dissipated, per reference area. Zero at the start; the first substep is the zero of both. */
 typedef struct gh_rve_balance {
   long parts;
-  double F[4], P[4];     /* of the last part */
+  double F[4], P[4];     /* of the last substep */
   double work, held;     /* energy gained and dissipated */
-  double first, largest; /* what was held at the first part; largest work or gain so far */
+  double first, largest; /* what was stored at the first substep; largest work or gain so far */
   double residual;       /* largest */
 } gh_rve_balance;
 void gh_rve_balance_add(gh_rve_balance *balance, const gh_rve_measures *m);
 /* (work - held) / largest; 0 where nothing was done beyond round-off (a rotation): |P| |F| / 1e12. */
 double gh_rve_balance_defect(const gh_rve_balance *balance);
-/* Whether a path in halves and the same in whole increments have become two (docs/explanation/method.md,
- * "Error estimates"): `growth` is by how much they have parted in this increment, `change` how much the
- * stress has changed in it, `scale` the stress, all in the same norm; `tolerance` is that of the stress. */
+/* Whether a path in halves and the same in whole increments are on different branches
+ * (docs/explanation/method.md, "Error estimates"): `growth` is by how much they have diverged in this
+ * increment, `change` how much the stress has changed in it, `scale` the stress, all in the same norm;
+ * `tolerance` is that of the stress. */
 bool gh_is_branch(const gh_contact_law *law, double tolerance, double growth, double change, double scale);
 /* Of the last evaluation. */
 const gh_rve_measures *gh_rve_measure(const gh_rve *rve);
@@ -142,8 +145,8 @@ void gh_rve_costs(const gh_rve *rve, gh_rve_cost *cost);
  * equilibrium. */
 gh_status gh_rve_boundary_stress(gh_rve *rve, double P[4]);
 /* Members of the last evaluation: number, current positions (n x 2), radii, primary grain and image (n x 2),
- * flags (1 rattler, 2 held, 4 replica), contacts. Periodic: the primaries alone, and `cell` holds the current
- * lattice vectors. Pointers belong to the RVE, valid until the next call. */
+ * flags (1 rattler, 2 fixed, 4 replica), contacts. Periodic: the primaries alone, and `cell` holds the
+ * current lattice vectors. Pointers belong to the RVE, valid until the next call. */
 typedef struct gh_rve_view {
   int n, ncontacts;
   const double *x, *radius;
@@ -157,9 +160,9 @@ typedef struct gh_rve_view {
 } gh_rve_view;
 gh_status gh_rve_look(gh_rve *rve, gh_rve_view *view);
 
-/* States as flat buffers of doubles: what a farm moves, keeps and writes. Their size changes with the
- * contacts that have a history; ask before each save. A state belongs to one packing, boundary condition and
- * law. */
+/* States as flat buffers of doubles: what a farm moves, stores and writes. Their size changes with the
+ * contacts that have a history; get it before each save. A state belongs to one packing, boundary condition
+ * and law. */
 size_t gh_rve_state_size(const gh_rve *rve); /* of the converged state, in doubles */
 gh_status gh_rve_save(const gh_rve *rve, double *state);
 /* The trial state likewise: what the converged state becomes by gh_rve_commit. Without a trial state these

@@ -4,7 +4,7 @@
 
 #include <string.h>
 
-static int compare(const gh_slip *a, const gh_slip *b) {
+static int slip_compare(const gh_slip *a, const gh_slip *b) {
   const int ka[4] = {a->i, a->j, a->image[1], a->image[0]}, kb[4] = {b->i, b->j, b->image[1], b->image[0]};
   for (int k = 0; k < 4; k++)
     if (ka[k] != kb[k]) return ka[k] < kb[k] ? -1 : 1;
@@ -19,7 +19,7 @@ gh_status gh_slips_advance(gh_context *ctx, const gh_slips *from, const gh_conta
   for (int c = 0, o = 0; c < list->count || o < from->count;) {
     const gh_slip *now = c < list->count ? &list->friction[c].slip : NULL,
                   *old = o < from->count ? &from->slips[o] : NULL;
-    int order = !now ? 1 : !old ? -1 : compare(now, old);
+    int order = !now ? 1 : !old ? -1 : slip_compare(now, old);
     if (order <= 0) { /* it touches */
       if (now->gamma != 0 || now->gamma_pl != 0 || now->alpha != 0) to->slips[to->count++] = *now;
       c++;
@@ -62,8 +62,8 @@ gh_status gh_slips_load(gh_context *ctx, const double *from, int count, gh_slips
 
 /* ---- what slip counts from ---- */
 
-static gh_status begin(gh_rve *r, const double F[4], const double *y, const double *theta,
-                       const gh_slips *slips) {
+static gh_status history_start(gh_rve *r, const double F[4], const double *y, const double *theta,
+                               const gh_slips *slips) {
   gh_converged c = {.theta = theta, .slips = slips->slips, .nslips = slips->count, .x = r->step};
   gh_mul2(F, r->packing->cell, c.cell);
   for (int i = 0; i < r->n; i++) gh_apply2(F, &y[2 * i], &r->step[2 * i]);
@@ -72,29 +72,29 @@ static gh_status begin(gh_rve *r, const double F[4], const double *y, const doub
 
 gh_status gh_rve_begin_increment(gh_rve *r) {
   if (!gh_rve_friction(r) || r->begun) return GH_OK;
-  GH_TRY(begin(r, r->Fn, r->yn, r->thetan, &r->history));
+  GH_TRY(history_start(r, r->Fn, r->yn, r->thetan, &r->history));
   r->begun = true;
   return GH_OK;
 }
 
-gh_status gh_rve_go_on(gh_rve *r) {
-  const gh_kept *k = &r->kept;
+gh_status gh_rve_resume_history(gh_rve *r) {
+  const gh_intermediate *k = &r->intermediate;
   r->begun = false;
-  return begin(r, k->F, k->y, k->theta, &k->slips);
+  return history_start(r, k->F, k->y, k->theta, &k->slips);
 }
 
 gh_status gh_rve_advance_history(gh_rve *r) {
   const double start = gh_seconds();
-  const gh_slips *from = r->m.kept ? &r->kept.slips : &r->history;
-  r->dissipated = r->m.kept ? r->kept.dissipated : r->dissipatedn;
+  const gh_slips *from = r->m.kept ? &r->intermediate.slips : &r->history;
+  r->dissipated = r->m.kept ? r->intermediate.dissipated : r->dissipatedn;
   for (int c = 0; c < r->list.count; c++) r->dissipated += r->list.friction[c].dissipated;
   GH_TRY(gh_slips_advance(r->ctx, from, &r->list, r->options.law.hardening > 0, &r->trial_history));
   r->cost.history += gh_seconds() - start;
   return GH_OK;
 }
 
-gh_status gh_rve_keep_slip(gh_rve *r) {
-  gh_kept *k = &r->kept;
+gh_status gh_rve_commit_history(gh_rve *r) {
+  gh_intermediate *k = &r->intermediate;
   double inverse[4], cell[4];
   GH_TRY(gh_rve_advance_history(r));
   const gh_slips swap = k->slips;
@@ -105,9 +105,9 @@ gh_status gh_rve_keep_slip(gh_rve *r) {
   memcpy(k->F, r->F, sizeof k->F);
   gh_inv2(r->F, inverse);
   for (int i = 0; i < r->n; i++) gh_apply2(inverse, &r->x[2 * i], &k->y[2 * i]);
-  GH_TRY(gh_rve_go_on(r));
+  GH_TRY(gh_rve_resume_history(r));
   gh_mul2(r->F, r->packing->cell, cell);
   GH_TRY(gh_engine_set(r->engine, cell, r->x, k->theta));
   r->m.kept++;
-  return gh_rve_look_at_contacts(r);
+  return gh_rve_update_contacts(r);
 }

@@ -2,85 +2,79 @@
 #ifndef GRANHOM_MICRO_INTERNAL_H
 #define GRANHOM_MICRO_INTERNAL_H
 
-#include <cholmod.h>
-#include <klu.h>
-
 #include "granhom/micro.h"
 
-/* ---- stiffness of the free grains (4.12) and its factor ---- */
+/* ---- boundary conditions ---- */
 
-typedef struct gh_stiffness {
-  cholmod_common common;
-  cholmod_sparse K;         /* upper triangle, order 2 nactive; arrays owned here */
-  cholmod_factor *L;        /* NULL before the first analysis */
-  cholmod_dense *X, *Y, *E; /* solution and CHOLMOD's workspaces */
-  double *rhs;              /* 2 nactive x 4 */
-  int nactive;
-  int *active;   /* per member: number among the unknown grains, -1 when held, rattler or pinned */
-  int *slot;     /* per contact: place of its off-diagonal block, -1 for none */
-  int *diagonal; /* per unknown grain: place of its diagonal entries xx, xy (yy follows) */
-  int *pattern;  /* contacts of the pattern: unknown grains i < j, in order */
-  size_t capacity, slot_capacity, pattern_capacity, npattern;
-  size_t k_capacity, p_capacity, i_capacity, rhs_capacity, diagonal_capacity;
-  long analyses, factorisations;
-} gh_stiffness;
+typedef enum gh_condition_body {
+  GH_BODY_CLUSTER, /* members are the grains of a cluster, without images */
+  GH_BODY_CELL     /* members are the primary grains, with periodic images */
+} gh_condition_body;
+typedef enum gh_condition_fixes {
+  GH_FIXES_NONE,     /* no position */
+  GH_FIXES_BOUNDARY, /* members on the boundary follow F */
+  GH_FIXES_ALL       /* all members follow F */
+} gh_condition_fixes;
+typedef struct gh_condition {
+  const char *name;
+  gh_condition_body body;
+  gh_condition_fixes fixes;
+} gh_condition;
+const gh_condition *gh_condition_of(gh_boundary b);
+/* Whether positions are unknown at given F. */
+static inline bool gh_condition_relaxes(const gh_condition *c) {
+  return c->fixes != GH_FIXES_ALL;
+}
+/* Sets r->held: the members whose position is fixed. */
+gh_status gh_condition_fix(gh_rve *r);
 
-gh_status gh_stiffness_create(gh_context *ctx, int members, gh_stiffness **s);
-void gh_stiffness_destroy(gh_stiffness **s);
-/* Numbers the unknown grains: neither held nor rattler, and one grain of each group that hangs together
- * without a held grain is pinned (rigid translation). */
-gh_status gh_stiffness_number(gh_context *ctx, gh_stiffness *s, int n, const unsigned char *held,
-                              const unsigned char *rattler, const gh_contact *contacts, int ncontacts,
-                              bool pin);
-/* Assembles and factorises K + shift 1. *definite: K is positive definite, and only then the factor can be
- * used. */
-gh_status gh_stiffness_factorise(gh_context *ctx, gh_stiffness *s, const unsigned char *rattler,
-                                 const gh_contact *contacts, int ncontacts, double shift, bool *definite);
-/* Solves K X = B for ncol <= 4 columns held in s->rhs (column-major, 2 nactive rows); *X is valid until the
- * next solve. */
-gh_status gh_stiffness_solve(gh_context *ctx, gh_stiffness *s, int ncol, const double **X);
+/* ---- solver: the linear system of the unknowns ---- */
 
-/* Groups of grains that hang together by contacts, without those that are marked (NULL: all count): the first
- * grain of a group, and it alone, has group[i] == i. */
-void gh_find_groups(int n, const gh_contact *contacts, int ncontacts, const unsigned char *without,
-                    int *group);
+/* What unknowns and stiffness depend on. */
+typedef struct gh_solver_input {
+  const unsigned char *held;    /* members whose position is fixed; NULL: none */
+  const unsigned char *rattler; /* members that are left out */
+  bool turns;                   /* rotations are unknown */
+  bool pin;                     /* the position of one member of each connected component is left out */
+  const double *radius;         /* members */
+  const gh_contact_list *list;
+} gh_solver_input;
 
-/* ---- the same with friction: positions and rotations, unsymmetric, LU by KLU ---- */
+typedef struct gh_solver gh_solver;
+typedef struct gh_solver_ops {
+  const char *name;
+  gh_status (*number)(gh_context *ctx, gh_solver *s, const gh_solver_input *in);
+  gh_status (*factor)(gh_context *ctx, gh_solver *s, const gh_solver_input *in, double shift, bool *good);
+  gh_status (*solve)(gh_context *ctx, gh_solver *s, int ncol, const double **X);
+  void (*release)(gh_solver *s); /* what the solver itself has allocated */
+} gh_solver_ops;
 
-typedef struct gh_coupled {
-  int n; /* unknowns */
-  int members;
+/* The part that all solvers share; it is the first member of each. */
+struct gh_solver {
+  const gh_solver_ops *ops;
+  int n, members; /* n: unknowns */
   int *unknown;   /* members x 3: number of u_x, u_y, theta among the unknowns; -1 when there is none */
-  int *first;     /* members + 1: each member's blocks in `neighbour` */
-  int *neighbour; /* per block: the other member, ascending; the own block is among them */
-  int *row;       /* per block: its first row within each column of the member */
-  int *p, *i;     /* compressed columns, rows ascending */
-  double *x;
-  double *rhs, *solution; /* n x 4 each, column-major */
-  int *old;               /* pattern of `symbolic`: p, then i */
-  klu_common common;
-  klu_symbolic *symbolic;
-  klu_numeric *numeric;
-  size_t neighbour_capacity, row_capacity, p_capacity, i_capacity, x_capacity, rhs_capacity,
-      solution_capacity, old_capacity;
-  int old_n;
+  double *rhs;    /* n x 4, column-major */
+  size_t rhs_capacity;
   long analyses, factorisations;
-} gh_coupled;
+};
 
-gh_status gh_coupled_create(gh_context *ctx, int members, gh_coupled **s);
-void gh_coupled_destroy(gh_coupled **s);
-/* Numbers the unknowns of the members that have a contact: positions where they are not held, rotations where
- * they turn, and makes the pattern. `pin`: the position of one member of each group that hangs together is
- * left out (rigid translation). */
-gh_status gh_coupled_number(gh_context *ctx, gh_coupled *s, const unsigned char *held,
-                            const unsigned char *loose, bool turns, const gh_contact_list *list, bool pin);
-/* Assembles and factorises K = sum B^T D B with D of gh_friction and B of the generalised branch (l, q);
- * `shift` is added to the diagonal, times r^2 for rotations. *regular: the factor can be used. */
-gh_status gh_coupled_factorise(gh_context *ctx, gh_coupled *s, const double *radius,
-                               const gh_contact_list *list, double shift, bool *regular);
-/* Solves K X = B for ncol <= 4 columns held in s->rhs (column-major, s->n rows); *X is valid until the next
- * solve. */
-gh_status gh_coupled_solve(gh_context *ctx, gh_coupled *s, int ncol, const double **X);
+/* Without friction: positions, symmetric. With friction: positions and rotations, unsymmetric. */
+gh_status gh_solver_cholmod(gh_context *ctx, int members, gh_solver **s);
+gh_status gh_solver_klu(gh_context *ctx, int members, gh_solver **s);
+void gh_solver_destroy(gh_solver **s);
+/* Numbers the unknowns: positions where they are not fixed, rotations where they are unknown. */
+gh_status gh_solver_number(gh_context *ctx, gh_solver *s, const gh_solver_input *in);
+/* Assembles and factorises K of the contacts; `shift` is added to the diagonal, times r^2 for rotations.
+ * *good: the factor can be used: K is positive definite (CHOLMOD), regular (KLU). */
+gh_status gh_solver_factor(gh_context *ctx, gh_solver *s, const gh_solver_input *in, double shift,
+                           bool *good);
+/* Solves K X = B for ncol <= 4 columns in s->rhs (column-major, s->n rows); *X is valid until the next solve.
+ */
+gh_status gh_solver_solve(gh_context *ctx, gh_solver *s, int ncol, const double **X);
+/* Connected components of grains by contacts, without those that are marked (NULL: all count): the first
+ * grain of a component, and it alone, has component[i] == i. */
+void gh_find_components(int n, const gh_contact_list *list, const unsigned char *without, int *component);
 /* The rows of B for end `e` (0: i, 1: j) of a contact: its unknowns v = (u_x, u_y, theta) change the branch
  * vector by sign * u and q by r * theta. */
 static inline double gh_end_sign(int e) {
@@ -97,12 +91,12 @@ typedef struct gh_rattlers {
 } gh_rattlers;
 gh_status gh_rattlers_create(gh_context *ctx, int members, gh_rattlers **r);
 void gh_rattlers_destroy(gh_rattlers **r);
-/* Marks them; held members are never marked. mean_force: mean normal contact force. Returns their number. */
+/* Marks them; fixed members are never marked. mean_force: mean normal contact force. Returns their number. */
 gh_status gh_rattlers_find(gh_context *ctx, gh_rattlers *r, int n, const unsigned char *held,
                            const gh_contact *contacts, int ncontacts, double mean_force, int *count);
 
 /* With friction two contacts can hold a grain, or one: only members without any contact are marked
- * (method 8.3). Returns how many of them are not held. */
+ * (method 8.3). Returns how many of them are not fixed. */
 int gh_rattlers_loose(gh_rattlers *r, int n, const unsigned char *held, const gh_contact_list *list);
 
 /* ---- history of the contacts (Table 7.1) ---- */
@@ -121,12 +115,12 @@ gh_status gh_slips_advance(gh_context *ctx, const gh_slips *from, const gh_conta
 
 /* ---- the RVE ---- */
 
-/* A state that slip counts from and that is no converged one. */
-typedef struct gh_kept {
+/* A state that slip counts from and that is no converged one: committed mid-increment. */
+typedef struct gh_intermediate {
   double F[4], *y, *theta; /* n x 2 positions F^-1 x, n rotations */
-  double dissipated;       /* by friction since the begin */
+  double dissipated;       /* by friction since the start */
   gh_slips slips;
-} gh_kept;
+} gh_intermediate;
 
 struct gh_rve {
   gh_context *ctx;
@@ -134,8 +128,7 @@ struct gh_rve {
   gh_packing *packing;
   gh_cluster *cluster; /* taylor and restricted */
   gh_engine *engine;
-  gh_stiffness *stiffness; /* without friction */
-  gh_coupled *coupled;     /* with friction */
+  gh_solver *solver; /* NULL where nothing is unknown */
   gh_rattlers *rattlers;
   int n; /* members: primaries, or the cluster */
   bool periodic;
@@ -157,13 +150,13 @@ struct gh_rve {
   bool trial;
   double *thetan, *theta;          /* n: rotations of both states; NULL without friction */
   gh_slips history, trial_history; /* with friction */
-  gh_kept kept;                    /* with friction: state whose slip was kept last in this evaluation */
-  double dissipatedn, dissipated;  /* by friction since the begin, of both states */
+  gh_intermediate intermediate;    /* with friction: state committed last within this evaluation */
+  double dissipatedn, dissipated;  /* by friction since the start, of both states */
   bool begun;                      /* the engine has the converged state */
   double shift;        /* of the coupled stiffness in this evaluation: 0 until it has turned out singular */
   double *x, *step;    /* n x 2 work: positions in space of the last evaluation, and of a Newton step */
   double *turn;        /* n work: rotations of a Newton step; NULL without friction */
-  double *x0, *theta0; /* the same, where a way out of a circle began; NULL without friction */
+  double *x0, *theta0; /* the same, where the way out of a limit cycle started; NULL without friction */
   int *view_grain, *view_id;
   unsigned char *view_flags;
   gh_contact_list list; /* of the last evaluation, the engine's */
@@ -171,41 +164,79 @@ struct gh_rve {
   gh_rve_cost cost;
 };
 
+/* ---- state.c ---- */
+
+/* Where the search for equilibrium starts. Where slip of that state was committed mid-increment,
+ * r->intermediate is what its slip counts from. */
+typedef struct gh_start {
+  const double *F, *y, *theta;
+} gh_start;
+gh_status gh_state_check(const gh_rve *rve, const double *state, size_t size);
+/* From the converged state, or from the trial state `near` (NULL: none) where it is near. */
+gh_status gh_state_start(gh_rve *rve, const double *near, gh_start *start);
+
+/* ---- history.c ---- */
+
 /* Gives the converged state to the engine, once, and not again before it changes. */
 gh_status gh_rve_begin_increment(gh_rve *rve);
-/* Slip goes on from the contacts at hand, in equilibrium or not, as it does in each time step of a direct
- * simulation (docs/explanation/method.md, "Limit cycles"). */
-gh_status gh_rve_keep_slip(gh_rve *rve);
-/* Slip goes on from rve->kept as it is. */
-gh_status gh_rve_go_on(gh_rve *rve);
-/* The trial state's history and dissipation, from the contacts at hand. */
+/* Intermediate history commit: slip continues from the current contacts, in equilibrium or not, as it does in
+ * each time step of a direct simulation (docs/explanation/method.md, "Limit cycles"). */
+gh_status gh_rve_commit_history(gh_rve *rve);
+/* Slip continues from rve->intermediate as it is. */
+gh_status gh_rve_resume_history(gh_rve *rve);
+/* The trial state's history and dissipation, from the current contacts. */
 gh_status gh_rve_advance_history(gh_rve *rve);
 /* Slips as a row of numbers. GH_INPUT: a key that is not made of integers. */
 enum { GH_SLIP_NUMBERS = 7 };
 void gh_slips_save(const gh_slips *slips, double *to);
 gh_status gh_slips_load(gh_context *ctx, const double *from, int count, gh_slips *slips);
 
+/* ---- contacts.c ---- */
+
+/* Fetches contacts and forces, residual and mean force into rve->m. */
+gh_status gh_rve_update_contacts(gh_rve *rve);
+/* The residual that is good enough: the required one, or what round-off of the positions leaves. */
+double gh_rve_target(const gh_rve *rve);
+/* Whether the forces are mostly round-off, into rve->m. */
+void gh_rve_find_stress_free(gh_rve *rve);
+/* Extent and smallest mean force of the packing in this cell at rve->x. */
+void gh_rve_find_round_off(gh_rve *rve, const double cell[4]);
+/* Marks the grains that carry nothing, into rve->rattlers and rve->m. */
+gh_status gh_rve_find_rattlers(gh_rve *rve);
+
+/* ---- newton.c ---- */
+
+/* Factor of the stiffness at the current contacts; where it is singular and `help` is set, with a shift. */
+gh_status gh_rve_factor(gh_rve *rve, bool help, bool *regular);
+/* Newton from the engine's positions as long as it is safe. *done: the residual is reached. Else the engine
+ * is at the last safe positions, and *again: another attempt after more relaxation is worth it. */
+gh_status gh_rve_newton_finish(gh_rve *rve, bool *done, bool *again);
+gh_status gh_rve_leave_limit_cycle(gh_rve *rve, double tolerance);
+
+/* ---- equilibrium.c, stress.c, tangent.c ---- */
+
 /* Finds the equilibrium from the positions in rve->x (in space) at rve->F. Leaves positions, contacts and
  * forces of the equilibrium. */
 gh_status gh_rve_equilibrate(gh_rve *rve);
-/* Fetches contacts and forces, residual and mean force into rve->m. */
-gh_status gh_rve_look_at_contacts(gh_rve *rve);
 /* Stress, energy and the other sums over the contacts into rve->m. */
 gh_status gh_rve_sums(gh_rve *rve);
-/* A by static condensation; contacts and rattlers of the equilibrium are at hand. */
+/* A by static condensation; contacts and rattlers of the equilibrium are current. */
 gh_status gh_rve_tangent(gh_rve *rve, double A[16]);
 gh_status gh_rve_tangent_friction(gh_rve *rve, double A[16]);
-/* Factor of the coupled stiffness at the contacts at hand; where it is singular and `help` is set, with a
- * shift. */
-gh_status gh_rve_factorise_coupled(gh_rve *rve, bool help, bool *regular);
-/* Marks the grains that carry nothing, into rve->rattlers and rve->m. */
-gh_status gh_rve_find_rattlers(gh_rve *rve);
 /* Whether anything is unknown at given F: positions or rotations. */
 static inline bool gh_rve_solves(const gh_rve *r) {
   return r->relaxes || r->turns;
 }
 static inline bool gh_rve_friction(const gh_rve *r) {
   return r->options.law.friction != 0;
+}
+static inline gh_solver_input gh_rve_solver_input(const gh_rve *r) {
+  return (gh_solver_input){.held = r->held,
+                           .rattler = r->rattlers->flag,
+                           .turns = r->turns,
+                           .pin = r->periodic,
+                           .radius = r->radius,
+                           .list = &r->list};
 }
 
 #endif

@@ -1,5 +1,6 @@
 /* Known limits of a granulate, in one place for all commands. SPDX-License-Identifier: GPL-2.0-or-later */
 #include "granhom/limits.h"
+#include "micro/internal.h"
 
 #include <limits.h>
 #include <math.h>
@@ -20,17 +21,17 @@ static const gh_limits defaults = {.overlap_warned = 0.05,
 /* Tensions below this share of the stiffness are round-off of a stress of zero. */
 static const double round_off = 1e-9;
 
-static const char *const units =
+static const char *const units_cause =
     "the likely cause is units, as stresses in kPa and a normal stiffness in N/mm (in the plane both are "
     "force per length)";
 
-static bool follows(const gh_rve_options *o) {
-  return o->boundary == GH_TAYLOR || o->boundary == GH_TAYLOR_CELL;
+static bool all_grains_follow(const gh_rve_options *o) {
+  return !gh_condition_relaxes(gh_condition_of(o->boundary));
 }
 
 gh_limits gh_limits_of(const gh_rve_options *o) {
   gh_limits l = defaults;
-  if (follows(o)) l.sheared_fraction = 0.9, l.engulfed = INT_MAX;
+  if (all_grains_follow(o)) l.sheared_fraction = 0.9, l.engulfed = INT_MAX;
   if (o->allow_overlap <= 0) return l;
   l.overlap_warned = l.overlap = o->allow_overlap;
   l.sheared_fraction = 0;
@@ -40,55 +41,57 @@ gh_limits gh_limits_of(const gh_rve_options *o) {
   return l;
 }
 
-static double fraction_limit(const gh_limits *l, const gh_rve_measures *m) {
+static double limit_of_fraction(const gh_limits *l, const gh_rve_measures *m) {
   return m->overlap > l->fraction_overlap ? l->fraction : l->covered;
 }
 
-static bool overlap_holds(const gh_limits *l, const gh_rve_measures *m) {
+static bool limit_overlap_holds(const gh_limits *l, const gh_rve_measures *m) {
   return m->overlap <= l->overlap || m->volume_fraction <= l->sheared_fraction;
 }
 
 bool gh_limits_hold(const gh_limits *l, const gh_rve_measures *m) {
-  return overlap_holds(l, m) && m->volume_fraction <= fraction_limit(l, m) && m->engulfed <= l->engulfed;
+  return limit_overlap_holds(l, m) && m->volume_fraction <= limit_of_fraction(l, m) &&
+         m->engulfed <= l->engulfed;
 }
 
 double gh_limits_pressure(const gh_rve_measures *m) {
   return -(m->cauchy[0] + m->cauchy[3]) / 2;
 }
 
-/* A stiffness that was not given is the first thing to look at. */
+/* A stiffness that was not given is the first thing to inspect. */
 static const char *default_note(const gh_rve_options *o) {
   const bool is_default = o->law.normal_stiffness == gh_rve_defaults().law.normal_stiffness;
   return is_default ? " (the default where none is given)" : "";
 }
 
-static const char *cause(const gh_rve_options *o) {
+static const char *limit_cause(const gh_rve_options *o) {
   static const char *const strain =
       "all grains follow F there, so that the cause is a prescribed strain this large, or units";
-  return follows(o) ? strain : units;
+  return all_grains_follow(o) ? strain : units_cause;
 }
 
-static gh_status stop(gh_context *ctx, const gh_rve_options *o, const gh_rve_measures *m, const char *where,
-                      const char *what, double value, double limit) {
+static gh_status limit_refuse(gh_context *ctx, const gh_rve_options *o, const gh_rve_measures *m,
+                              const char *where, const char *what, double value, double limit) {
   const double E = o->law.normal_stiffness;
   return gh_fail(
       ctx, GH_LIMIT,
       "%s: %s is %.4g, above the limit %.4g, where the mean stress is %.3g, %.3g of the normal "
       "stiffness %g%s: %s. `contact: {allow_overlap: true}` or --allow-overlap computes such states",
       where, what, value, limit, gh_limits_pressure(m), gh_limits_pressure(m) / E, E, default_note(o),
-      cause(o));
+      limit_cause(o));
 }
 
 gh_status gh_limits_check_state(gh_context *ctx, const gh_rve_options *o, const gh_rve_measures *m,
                                 const char *where) {
   const gh_limits l = gh_limits_of(o);
   if (gh_limits_hold(&l, m)) return GH_OK;
-  if (!overlap_holds(&l, m))
-    return stop(ctx, o, m, where, "the mean overlap over the mean radius", m->overlap, l.overlap);
-  if (!(m->volume_fraction <= fraction_limit(&l, m)))
-    return stop(ctx, o, m, where, "the volume fraction", m->volume_fraction, fraction_limit(&l, m));
-  return stop(ctx, o, m, where, "the number of contacts with an overlap above the smaller radius",
-              m->engulfed, l.engulfed);
+  if (!limit_overlap_holds(&l, m))
+    return limit_refuse(ctx, o, m, where, "the mean overlap over the mean radius", m->overlap, l.overlap);
+  if (!(m->volume_fraction <= limit_of_fraction(&l, m)))
+    return limit_refuse(ctx, o, m, where, "the volume fraction", m->volume_fraction,
+                        limit_of_fraction(&l, m));
+  return limit_refuse(ctx, o, m, where, "the number of contacts with an overlap above the smaller radius",
+                      m->engulfed, l.engulfed);
 }
 
 void gh_limits_warn(gh_context *ctx, const gh_rve_options *o, const char *where, double overlap,
@@ -101,7 +104,7 @@ void gh_limits_warn(gh_context *ctx, const gh_rve_options *o, const char *where,
       "%s: the mean overlap is %.3g of the mean radius, above %.3g, where the mean stress is %.3g, %.3g of "
       "the normal stiffness %g%s. The contact law is for stiff grains: %s",
       where, overlap, l.overlap_warned, pressure, pressure / o->law.normal_stiffness, o->law.normal_stiffness,
-      default_note(o), cause(o));
+      default_note(o), limit_cause(o));
 }
 
 bool gh_limits_is_warning(const char *line) {
@@ -130,12 +133,12 @@ gh_status gh_limits_check_stress(gh_context *ctx, const gh_rve_options *o, const
         ctx, GH_INPUT,
         "%s: %s is %.3g of the normal stiffness %g%s, above the limit %g: grains would be squeezed "
         "flat; %s",
-        where, what, fabs(ratio), E, default_note(o), l.stress, units);
+        where, what, fabs(ratio), E, default_note(o), l.stress, units_cause);
   if (fabs(ratio) > l.stress_warned && !*warned) {
     gh_log(ctx, GH_LEVEL_WARNING,
            "%s: %s is %.3g of the normal stiffness %g%s, above %g: overlaps will be about that share of the "
            "diameter; %s",
-           where, what, fabs(ratio), E, default_note(o), l.stress_warned, units);
+           where, what, fabs(ratio), E, default_note(o), l.stress_warned, units_cause);
     *warned = true;
   }
   return GH_OK;

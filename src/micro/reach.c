@@ -1,22 +1,23 @@
-/* An increment of F in parts, where it has no equilibrium at once. SPDX-License-Identifier: GPL-2.0-or-later
+/* An increment of F in substeps, where it has no equilibrium at once. SPDX-License-Identifier:
+ * GPL-2.0-or-later
  */
 #include "micro/internal.h"
 
 #include <math.h>
 #include <string.h>
 
-/* Paths that part by more than this share of what the stress has changed by are two, not the same one more
+/* Paths that differ by more than this share of what the stress has changed by are two, not the same one more
  * and less precisely. */
 static const double branch = 0.1;
 /* Stresses are off by up to this many times the residual. */
 static const double amplified = 1e3;
-/* Multiple of the tolerance up to which the last cut accepts a packing unconverged: it is reported, and more
- * steps would hardly change its stress. */
+/* Multiple of the tolerance up to which the deepest bisection accepts a packing unconverged: it is reported,
+ * and more steps would hardly change its stress. */
 static const double nearly = 3;
 /* A loose tolerance has no room for that. */
 static const double tight = 1e-6;
 
-/* A part from the converged state to the share `end` of the way. */
+/* A substep from the converged state to the share `end` of the path. */
 static gh_status reach_part(gh_rve *rve, gh_rve_way *w, double end, double A[16]) {
   double F[4], P[4];
   const bool last = end == 1;

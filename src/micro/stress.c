@@ -1,19 +1,19 @@
-/* Stress, energy and tangent of an RVE in equilibrium (methods 4, 5). SPDX-License-Identifier:
- * GPL-2.0-or-later */
+/* Stress, energy and other sums over the contacts of an RVE in equilibrium (methods 4, 5).
+ * SPDX-License-Identifier: GPL-2.0-or-later */
 #include "micro/internal.h"
 
 #include <string.h>
 
 static const double pi = 3.14159265358979323846;
 
-static double grain_area(const gh_rve *r) {
+static double grains_find_area(const gh_rve *r) {
   double area = 0;
   for (int i = 0; i < r->packing->n; i++) area += pi * r->packing->radius[i] * r->packing->radius[i];
   return area;
 }
 
 /* Energy, dissipation and the number of sliding contacts. */
-static gh_status friction_sums(gh_rve *r) {
+static gh_status friction_sum(gh_rve *r) {
   if (!gh_rve_friction(r)) return GH_OK;
   double energy = 0;
   const gh_friction *t = r->list.friction;
@@ -47,7 +47,7 @@ gh_status gh_rve_sums(gh_rve *r) {
       overlap += q->overlap;
       engulfed += q->overlap > fmin(r->radius[q->i], r->radius[q->j]);
     }
-  GH_TRY(friction_sums(r));
+  GH_TRY(friction_sum(r));
   energy += r->m.energy_t * r->volume;
   for (int k = 0; k < 4; k++) r->m.P[k] = P[k] / r->volume;
   r->m.energy = energy / r->volume;
@@ -58,86 +58,14 @@ gh_status gh_rve_sums(gh_rve *r) {
   r->m.overlap = carrying ? overlap / carrying / r->mean_radius : 0;
   r->m.engulfed = engulfed;
   gh_cauchy2(r->m.P, r->F, r->m.cauchy);
-  r->m.volume_fraction = grain_area(r) / (r->volume * gh_det2(r->F));
+  r->m.volume_fraction = grains_find_area(r) / (r->volume * gh_det2(r->F));
   int members = r->n - r->m.rattlers;
   r->m.coordination = r->m.unjammed || members < 1 ? 0 : 2.0 * carrying / members;
   return GH_OK;
 }
 
-/* A at fixed fluctuations (6.3), and the mixed derivatives G of the energy with respect to the unknown
- * positions and F, one column per component of F (6.18). */
-static void direct_part(gh_rve *r, double A[16]) {
-  const gh_stiffness *s = r->stiffness;
-  size_t rows = r->relaxes ? 2 * (size_t)s->nactive : 0;
-  double inverse[4];
-  gh_inv2(r->F, inverse);
-  memset(A, 0, 16 * sizeof *A);
-  if (rows > 0) memset(s->rhs, 0, 4 * rows * sizeof *s->rhs); /* there is none without unknown grains */
-  for (int c = 0; c < r->list.count; c++) {
-    const gh_contact *q = &r->list.contacts[c];
-    if (r->relaxes && (r->rattlers->flag[q->i] || r->rattlers->flag[q->j])) continue;
-    double m[2], h[4] = {q->h[0], q->h[1], q->h[1], q->h[2]};
-    gh_apply2(inverse, q->l, m);
-    for (int n = 0; n < 16; n++) A[n] += h[2 * (n >> 3) + (n >> 1 & 1)] * m[n >> 2 & 1] * m[n & 1];
-    if (!r->relaxes || q->i == q->j) continue;
-    for (int e = 0; e < 2; e++) {
-      int a = s->active[e ? q->j : q->i];
-      if (a < 0) continue;
-      double sign = e ? 1 : -1;
-      for (int i = 0; i < 2; i++)
-        for (int kL = 0; kL < 4; kL++)
-          s->rhs[rows * (size_t)kL + (size_t)(2 * a + i)] += sign * h[2 * i + kL / 2] * m[kL % 2];
-    }
-  }
-}
-
-/* Factor of the stiffness at the equilibrium; shifted when it is not positive definite (a mode without
- * stiffness). */
-static gh_status factor_of_equilibrium(gh_rve *r) {
-  bool definite;
-  double shift = 0;
-  GH_TRY(gh_stiffness_number(r->ctx, r->stiffness, r->n, r->held, r->rattlers->flag, r->list.contacts,
-                             r->list.count, r->periodic));
-  for (;;) {
-    GH_TRY(gh_stiffness_factorise(r->ctx, r->stiffness, r->rattlers->flag, r->list.contacts, r->list.count,
-                                  shift, &definite));
-    r->m.factorisations++;
-    if (definite) return GH_OK;
-    if (shift > r->options.law.normal_stiffness)
-      return gh_fail(r->ctx, GH_DIVERGED,
-                     "the stiffness of the packing is singular, even with a shift of %.3g", shift);
-    r->m.regularised = 1;
-    shift = shift > 0 ? 10 * shift : 1e-9 * r->options.law.normal_stiffness;
-  }
-}
-
-gh_status gh_rve_tangent(gh_rve *r, double A[16]) {
-  memset(A, 0, 16 * sizeof *A);
-  if (r->m.unjammed) return r->m.acoustic = r->m.acoustic_angle = 0, GH_OK;
-  double start = gh_seconds();
-  if (r->relaxes) GH_TRY(factor_of_equilibrium(r));
-  direct_part(r, A);
-  if (r->relaxes && r->stiffness->nactive > 0) { /* A - G^T K^-1 G */
-    const gh_stiffness *s = r->stiffness;
-    const double *X;
-    GH_TRY(gh_stiffness_solve(r->ctx, r->stiffness, 4, &X));
-    size_t rows = 2 * (size_t)s->nactive;
-    for (size_t iJ = 0; iJ < 4; iJ++)
-      for (size_t kL = 0; kL < 4; kL++) {
-        double sum = 0;
-        for (size_t p = 0; p < rows; p++) sum += s->rhs[rows * iJ + p] * X[rows * kL + p];
-        A[4 * iJ + kL] -= sum;
-      }
-  }
-  for (int n = 0; n < 16; n++) A[n] /= r->volume;
-  r->cost.factorise += gh_seconds() - start;
-  if (!gh_finite(A, 16)) return gh_fail(r->ctx, GH_DIVERGED, "the tangent is not finite");
-  r->m.acoustic = gh_acoustic(A, &r->m.acoustic_angle);
-  return GH_OK;
-}
-
 /* Lattice vectors (in the reference cell) that a contact of a periodic cell bridges. */
-static void bridge(const gh_rve *r, const gh_contact *q, const double *y, double m[2]) {
+static void contact_bridge(const gh_rve *r, const gh_contact *q, const double *y, double m[2]) {
   double inverse[4], k[2];
   gh_inv2(r->F, inverse);
   gh_apply2(inverse, q->l, m);
@@ -155,11 +83,11 @@ gh_status gh_rve_boundary_stress(gh_rve *r, double P[4]) {
   if (r->periodic) /* (5.22): the contacts across the boundary work on the lattice vectors */
     for (int c = 0; c < r->list.count; c++) {
       double m[2];
-      bridge(r, &r->list.contacts[c], y, m);
+      contact_bridge(r, &r->list.contacts[c], y, m);
       for (int k = 0; k < 4; k++) P[k] += r->list.contacts[c].f[k / 2] * m[k % 2];
     }
   for (int i = 0; i < r->n;
-       i++) { /* (5.16), (5.19): outer forces balance the contacts of the prescribed grains */
+       i++) { /* (5.16), (5.19): external forces balance the contacts of the prescribed grains */
     if (r->relaxes && !(r->held && r->held[i])) continue;
     for (int k = 0; k < 4; k++) P[k] -= r->list.force[2 * i + k / 2] * y[2 * i + k % 2];
   }

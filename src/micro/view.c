@@ -1,4 +1,4 @@
-/* Looking into an RVE: grains, flags and contacts of the last evaluation. SPDX-License-Identifier:
+/* Inspecting an RVE: grains, flags and contacts of the last evaluation. SPDX-License-Identifier:
  * GPL-2.0-or-later */
 #include "micro/internal.h"
 

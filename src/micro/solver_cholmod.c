@@ -1,78 +1,49 @@
-/* Stiffness of the free grains in compressed columns, its Cholesky factor by CHOLMOD.
+/* Stiffness of the free grains without friction, its Cholesky factor by CHOLMOD.
  * SPDX-License-Identifier: GPL-2.0-or-later */
 #include "micro/internal.h"
 
+#include <cholmod.h>
 #include <stdlib.h>
 #include <string.h>
 
-gh_status gh_stiffness_create(gh_context *ctx, int members, gh_stiffness **stiffness) {
-  gh_stiffness *s;
-  *stiffness = NULL;
-  GH_TRY(gh_alloc(ctx, 1, sizeof *s, &s));
-  cholmod_start(&s->common);
-  s->common.print = 0;
-  s->common.supernodal = CHOLMOD_SIMPLICIAL;
-  s->common.final_ll = 1; /* L L': a negative pivot ends the factorisation, so it tests definiteness */
-  s->common.nmethods = 1;
-  s->common.method[0].ordering = CHOLMOD_AMD;
-  gh_status status = gh_alloc(ctx, (size_t)members, sizeof(int), &s->active);
-  if (status != GH_OK) gh_stiffness_destroy(&s);
-  *stiffness = s;
-  return status;
-}
+typedef struct stiffness { /* (4.12) */
+  gh_solver base;
+  cholmod_common common;
+  cholmod_sparse K;         /* upper triangle, order 2 nactive; arrays owned here */
+  cholmod_factor *L;        /* NULL before the first analysis */
+  cholmod_dense *X, *Y, *E; /* solution and CHOLMOD's workspaces */
+  int nactive;
+  int *active;   /* per member: number among the unknown grains, -1 when fixed, rattler or pinned */
+  int *slot;     /* per contact: place of its off-diagonal block, -1 for none */
+  int *diagonal; /* per unknown grain: place of its diagonal entries xx, xy (yy follows) */
+  int *pattern;  /* contacts of the pattern: unknown grains i < j, in order */
+  size_t slot_capacity, pattern_capacity, npattern;
+  size_t k_capacity, p_capacity, i_capacity, diagonal_capacity;
+} stiffness;
 
-void gh_stiffness_destroy(gh_stiffness **stiffness) {
-  if (!stiffness || !*stiffness) return;
-  gh_stiffness *s = *stiffness;
-  cholmod_free_factor(&s->L, &s->common);
-  cholmod_free_dense(&s->X, &s->common);
-  cholmod_free_dense(&s->Y, &s->common);
-  cholmod_free_dense(&s->E, &s->common);
-  cholmod_finish(&s->common);
-  void *const arrays[] = {s->rhs, s->active, s->slot, s->diagonal, s->pattern, s->K.p, s->K.i, s->K.x};
-  for (size_t k = 0; k < sizeof arrays / sizeof *arrays; k++) free(arrays[k]);
-  free(s);
-  *stiffness = NULL;
-}
-
-/* Root of a grain in the forest of grains that hang together. */
-static int root_of(int *parent, int i) {
-  while (parent[i] != i) {
-    parent[i] = parent[parent[i]];
-    i = parent[i];
-  }
-  return i;
-}
-
-void gh_find_groups(int n, const gh_contact *contacts, int ncontacts, const unsigned char *without,
-                    int *group) {
-  for (int i = 0; i < n; i++) group[i] = i;
-  for (int c = 0; c < ncontacts; c++) {
-    int i = contacts[c].i, j = contacts[c].j;
-    if (without && (without[i] || without[j])) continue;
-    i = root_of(group, i), j = root_of(group, j);
-    group[i > j ? i : j] = i > j ? j : i; /* the root is the first grain of its group */
-  }
-}
-
-gh_status gh_stiffness_number(gh_context *ctx, gh_stiffness *s, int n, const unsigned char *held,
-                              const unsigned char *rattler, const gh_contact *contacts, int ncontacts,
-                              bool pin) {
+static gh_status cholmod_number(gh_context *ctx, gh_solver *base, const gh_solver_input *in) {
+  stiffness *s = (stiffness *)base;
+  const int n = base->members;
   int *a = s->active;
   GH_TRY(gh_grow(ctx, 2 * (size_t)n + 2, sizeof(int), &s->diagonal_capacity, &s->diagonal));
-  int *group = s->diagonal; /* free for use until the pattern is made */
-  if (pin) gh_find_groups(n, contacts, ncontacts, rattler, group);
+  int *component = s->diagonal; /* free for use until the pattern is made */
+  if (in->pin) gh_find_components(n, in->list, in->rattler, component);
   s->nactive = 0;
   for (int i = 0; i < n; i++) {
-    bool pinned = pin && group[i] == i;
-    a[i] = (held && held[i]) || rattler[i] || pinned ? -1 : s->nactive++;
+    bool pinned = in->pin && component[i] == i, known = (in->held && in->held[i]) || in->rattler[i] || pinned;
+    int *u = base->unknown + 3 * i;
+    a[i] = known ? -1 : s->nactive++;
+    u[0] = known ? -1 : 2 * a[i];
+    u[1] = known ? -1 : 2 * a[i] + 1;
+    u[2] = -1;
   }
+  base->n = 2 * s->nactive;
   return GH_OK;
 }
 
 /* Contacts between two unknown grains, one entry per pair: contacts come sorted by (i, j). */
-static gh_status collect(gh_context *ctx, gh_stiffness *s, const gh_contact *contacts, int ncontacts,
-                         int **pairs, size_t *npairs) {
+static gh_status pattern_collect(gh_context *ctx, stiffness *s, const gh_contact *contacts, int ncontacts,
+                                 int **pairs, size_t *npairs) {
   GH_TRY(gh_grow(ctx, (size_t)ncontacts + 1, sizeof(int), &s->slot_capacity, &s->slot));
   GH_TRY(gh_grow(ctx, 2 * (s->npattern + (size_t)ncontacts), sizeof(int), &s->pattern_capacity, &s->pattern));
   int *list = s->pattern + 2 * s->npattern; /* behind the pattern in use, to compare with it */
@@ -95,12 +66,12 @@ static gh_status collect(gh_context *ctx, gh_stiffness *s, const gh_contact *con
 
 /* Compressed columns of the upper triangle. Column block j holds the blocks (i, j), i ascending, then its
  * diagonal. */
-static gh_status make_columns(gh_context *ctx, gh_stiffness *s) {
+static gh_status matrix_make_columns(gh_context *ctx, stiffness *s) {
   size_t n = (size_t)s->nactive, nnz = 4 * s->npattern + 3 * n;
   GH_TRY(gh_grow(ctx, 2 * n + 1, sizeof(int), &s->p_capacity, &s->K.p));
   GH_TRY(gh_grow(ctx, nnz + 1, sizeof(int), &s->i_capacity, &s->K.i));
   GH_TRY(gh_grow(ctx, nnz + 1, sizeof(double), &s->k_capacity, &s->K.x));
-  GH_TRY(gh_grow(ctx, 8 * n + 4, sizeof(double), &s->rhs_capacity, &s->rhs));
+  GH_TRY(gh_grow(ctx, 8 * n + 4, sizeof(double), &s->base.rhs_capacity, &s->base.rhs));
   int *p = s->K.p, *row = s->K.i;
   memset(p, 0, (2 * n + 1) * sizeof(int));
   for (size_t q = 0; q < s->npattern; q++) {
@@ -128,7 +99,7 @@ static gh_status make_columns(gh_context *ctx, gh_stiffness *s) {
 
 /* Turns the numbers of pairs in slot into places: first entry of the block's first column. `fill` is the next
  * free place of a column block. */
-static void place_blocks(gh_stiffness *s, int ncontacts, int *fill) {
+static void matrix_place_blocks(stiffness *s, int ncontacts, int *fill) {
   const int *p = s->K.p;
   int *row = s->K.i;
   for (int a = 0; a < s->nactive; a++) fill[a] = 0;
@@ -148,8 +119,8 @@ static void place_blocks(gh_stiffness *s, int ncontacts, int *fill) {
   }
 }
 
-static void assemble(gh_stiffness *s, const unsigned char *rattler, const gh_contact *contacts, int ncontacts,
-                     double shift) {
+static void matrix_assemble(stiffness *s, const unsigned char *rattler, const gh_contact *contacts,
+                            int ncontacts, double shift) {
   double *k = s->K.x;
   const int *p = s->K.p;
   memset(k, 0, s->K.nzmax * sizeof *k);
@@ -177,33 +148,36 @@ static void assemble(gh_stiffness *s, const unsigned char *rattler, const gh_con
     }
 }
 
-gh_status gh_stiffness_factorise(gh_context *ctx, gh_stiffness *s, const unsigned char *rattler,
-                                 const gh_contact *contacts, int ncontacts, double shift, bool *definite) {
+static gh_status cholmod_factor_stiffness(gh_context *ctx, gh_solver *base, const gh_solver_input *in,
+                                          double shift, bool *definite) {
+  stiffness *s = (stiffness *)base;
+  const gh_contact *contacts = in->list->contacts;
+  const int ncontacts = in->list->count;
   *definite = true;
   if (s->nactive == 0) return GH_OK;
   int *pairs;
   size_t npairs, n = (size_t)s->nactive;
-  GH_TRY(collect(ctx, s, contacts, ncontacts, &pairs, &npairs));
+  GH_TRY(pattern_collect(ctx, s, contacts, ncontacts, &pairs, &npairs));
   bool same = s->L && s->L->n == 2 * n && npairs == s->npattern &&
               !memcmp(pairs, s->pattern, 2 * npairs * sizeof(int));
   if (!same) {
     memmove(s->pattern, pairs, 2 * npairs * sizeof(int));
     s->npattern = npairs;
   }
-  GH_TRY(make_columns(ctx, s));      /* the numbering used the same memory for its groups */
-  int *fill = (int *)(void *)s->rhs; /* not in use yet */
-  place_blocks(s, ncontacts, fill);
-  assemble(s, rattler, contacts, ncontacts, shift);
+  GH_TRY(matrix_make_columns(ctx, s));    /* the numbering used the same memory for its groups */
+  int *fill = (int *)(void *)s->base.rhs; /* not in use yet */
+  matrix_place_blocks(s, ncontacts, fill);
+  matrix_assemble(s, in->rattler, contacts, ncontacts, shift);
   if (!gh_finite(s->K.x, s->K.nzmax))
     return gh_fail(ctx, GH_DIVERGED, "the stiffness of the packing is not finite");
   if (!same) {
     cholmod_free_factor(&s->L, &s->common);
     s->L = cholmod_analyze(&s->K, &s->common);
     if (!s->L) return gh_fail(ctx, GH_MEMORY, "CHOLMOD could not analyse a stiffness of %zu unknowns", 2 * n);
-    s->analyses++;
+    base->analyses++;
   }
   cholmod_factorize(&s->K, s->L, &s->common);
-  s->factorisations++;
+  base->factorisations++;
   if (s->common.status < CHOLMOD_OK)
     return gh_fail(ctx, GH_MEMORY, "CHOLMOD failed to factorise (status %d)", s->common.status);
   *definite = s->L->minor == s->L->n && cholmod_rcond(s->L, &s->common) > 1e-15;
@@ -211,15 +185,16 @@ gh_status gh_stiffness_factorise(gh_context *ctx, gh_stiffness *s, const unsigne
   return GH_OK;
 }
 
-gh_status gh_stiffness_solve(gh_context *ctx, gh_stiffness *s, int ncol, const double **X) {
+static gh_status cholmod_solve_columns(gh_context *ctx, gh_solver *base, int ncol, const double **X) {
+  stiffness *s = (stiffness *)base;
   size_t n = 2 * (size_t)s->nactive;
-  *X = s->rhs;
+  *X = s->base.rhs;
   if (n == 0) return GH_OK;
   cholmod_dense B = {.nrow = n,
                      .ncol = (size_t)ncol,
                      .nzmax = n * (size_t)ncol,
                      .d = n,
-                     .x = s->rhs,
+                     .x = s->base.rhs,
                      .xtype = CHOLMOD_REAL,
                      .dtype = CHOLMOD_DOUBLE};
   if (!cholmod_solve2(CHOLMOD_A, s->L, &B, NULL, &s->X, NULL, &s->Y, &s->E, &s->common))
@@ -229,4 +204,40 @@ gh_status gh_stiffness_solve(gh_context *ctx, gh_stiffness *s, int ncol, const d
   if (!gh_finite(*X, n * (size_t)ncol))
     return gh_fail(ctx, GH_DIVERGED, "the solution with the stiffness of the packing is not finite");
   return GH_OK;
+}
+
+static void cholmod_release(gh_solver *base) {
+  stiffness *s = (stiffness *)base;
+  cholmod_free_factor(&s->L, &s->common);
+  cholmod_free_dense(&s->X, &s->common);
+  cholmod_free_dense(&s->Y, &s->common);
+  cholmod_free_dense(&s->E, &s->common);
+  cholmod_finish(&s->common);
+  void *const arrays[] = {s->active, s->slot, s->diagonal, s->pattern, s->K.p, s->K.i, s->K.x};
+  for (size_t k = 0; k < sizeof arrays / sizeof *arrays; k++) free(arrays[k]);
+}
+
+static const gh_solver_ops cholmod_ops = {.name = "CHOLMOD",
+                                          .number = cholmod_number,
+                                          .factor = cholmod_factor_stiffness,
+                                          .solve = cholmod_solve_columns,
+                                          .release = cholmod_release};
+
+gh_status gh_solver_cholmod(gh_context *ctx, int members, gh_solver **solver) {
+  stiffness *s;
+  *solver = NULL;
+  GH_TRY(gh_alloc(ctx, 1, sizeof *s, &s));
+  s->base.ops = &cholmod_ops;
+  s->base.members = members;
+  cholmod_start(&s->common);
+  s->common.print = 0;
+  s->common.supernodal = CHOLMOD_SIMPLICIAL;
+  s->common.final_ll = 1; /* L L': a negative pivot ends the factorisation, so it tests definiteness */
+  s->common.nmethods = 1;
+  s->common.method[0].ordering = CHOLMOD_AMD;
+  gh_status status = gh_alloc(ctx, (size_t)members, sizeof(int), &s->active);
+  if (status == GH_OK) status = gh_alloc(ctx, 3 * (size_t)members, sizeof(int), &s->base.unknown);
+  *solver = &s->base;
+  if (status != GH_OK) gh_solver_destroy(solver);
+  return status;
 }

@@ -1,0 +1,199 @@
+/* Newton steps of the free grains: the finish of a relaxation, and leaving a limit cycle (method 3).
+ * SPDX-License-Identifier: GPL-2.0-or-later */
+#include "micro/internal.h"
+
+#include <string.h>
+
+/* Numbers the unknowns at the current contacts and rattlers. */
+static gh_status unknowns_number(gh_rve *r) {
+  const gh_solver_input in = gh_rve_solver_input(r);
+  return gh_solver_number(r->ctx, r->solver, &in);
+}
+
+/* As they are numbered, with r->shift. */
+static gh_status stiffness_factor(gh_rve *r, bool *regular) {
+  const gh_solver_input in = gh_rve_solver_input(r);
+  r->m.factorisations++;
+  return gh_solver_factor(r->ctx, r->solver, &in, r->shift, regular);
+}
+
+/* Friction leaves modes without stiffness: grains that roll on each other like gears where no odd cycle of
+ * contacts blocks them, grains that one contact holds, grains whose contacts all slide. A little stiffness of
+ * position and rotation decides them in the tangent. */
+gh_status gh_rve_factor(gh_rve *r, bool help, bool *regular) {
+  double most = 1e-6 * r->options.law.normal_stiffness;
+  r->shift = 0;
+  GH_TRY(unknowns_number(r));
+  for (;;) {
+    GH_TRY(stiffness_factor(r, regular));
+    if (*regular || !help || r->shift >= most) return GH_OK;
+    r->shift = r->shift > 0 ? 10 * r->shift : 1e-3 * most;
+  }
+}
+
+/* Rolling changes no contact force, so that any amount of it is the same equilibrium. Grains whose contacts
+ * slide without hardening can come to rest in many places, and relaxation alone decides in which. */
+static bool contacts_only_roll(const gh_rve *r) {
+  if (r->options.law.hardening > 0) return true;
+  for (int c = 0; c < r->list.count; c++)
+    if (r->list.friction[c].slides) return false;
+  return true;
+}
+
+static gh_status equilibrium_factor(gh_rve *r, bool *good) {
+  double start = gh_seconds();
+  GH_TRY(gh_rve_find_rattlers(r));
+  GH_TRY(gh_rve_factor(r, gh_rve_friction(r) && contacts_only_roll(r), good));
+  r->cost.factorise += gh_seconds() - start;
+  return GH_OK;
+}
+
+/* Unbalanced forces of the contacts between grains that are no rattlers: the others end with the step. */
+static void backbone_balance(const gh_rve *r) {
+  const gh_solver *s = r->solver;
+  for (int i = 0; i < r->n; i++)
+    if (s->unknown[3 * i] >= 0) memcpy(&s->rhs[s->unknown[3 * i]], &r->list.force[2 * i], 2 * sizeof(double));
+  for (int c = 0; c < r->list.count; c++) {
+    const gh_contact *q = r->list.contacts + c;
+    const int end[2] = {q->i, q->j};
+    for (int e = 0; e < 2; e++) {
+      int u = s->unknown[3 * end[e]];
+      if (u < 0 || !r->rattlers->flag[end[1 - e]]) continue;
+      for (int k = 0; k < 2; k++) s->rhs[u + k] -= e ? -q->f[k] : q->f[k];
+    }
+  }
+}
+
+/* Pushes one or both ends of a contact with a rattler apart, if they overlap where the step leads. */
+static bool rattler_push_apart(gh_rve *r, const gh_contact *q, double gap) {
+  const bool loose[2] = {r->rattlers->flag[q->i], r->rattlers->flag[q->j]};
+  double l[2], *x[2] = {r->step + 2 * q->i, r->step + 2 * q->j};
+  for (int k = 0; k < 2; k++)
+    l[k] = q->l[k] + (x[1][k] - r->x[2 * q->j + k]) - (x[0][k] - r->x[2 * q->i + k]);
+  double d = hypot(l[0], l[1]), overlap = q->overlap + hypot(q->l[0], q->l[1]) - d;
+  if (!(overlap > 0 && d > 0) || !(loose[0] || loose[1]) || q->i == q->j) return false;
+  double share = (overlap + gap) / d / (loose[0] + loose[1]);
+  for (int k = 0; k < 2; k++) {
+    x[0][k] -= loose[0] ? share * l[k] : 0;
+    x[1][k] += loose[1] ? share * l[k] : 0;
+  }
+  return true;
+}
+
+/* Rattlers carry nothing, but lean on others, and relaxation never parts them quite. A step of the others by
+ * more than that overlap would press them: they are pushed aside. Those that it meets only then show in
+ * the residual. */
+static void rattlers_clear(gh_rve *r) {
+  enum { SWEEPS = 20 };
+  const double gap = 1e-9 * gh_packing_mean_radius(r->packing);
+  for (int sweep = 0; sweep < SWEEPS; sweep++) {
+    bool moved = false;
+    for (int c = 0; c < r->list.count; c++) moved = rattler_push_apart(r, r->list.contacts + c, gap) || moved;
+    if (!moved) return;
+  }
+}
+
+static gh_status forces_solve(gh_rve *r) {
+  const gh_solver *s = r->solver;
+  const double *dx;
+  backbone_balance(r);
+  GH_TRY(gh_solver_solve(r->ctx, r->solver, 1, &dx));
+  for (int i = 0; i < r->n; i++)
+    for (int k = 0; k < 2; k++)
+      r->step[2 * i + k] = r->x[2 * i + k] + (s->unknown[3 * i] >= 0 ? dx[s->unknown[3 * i] + k] : 0);
+  rattlers_clear(r);
+  return GH_OK;
+}
+
+static gh_status forces_and_moments_solve(gh_rve *r) {
+  const gh_solver *s = r->solver;
+  const double *dx;
+  for (int i = 0; i < r->n; i++) {
+    const double out[3] = {r->list.force[2 * i], r->list.force[2 * i + 1], r->list.moment[i]};
+    for (int k = 0; k < 3; k++)
+      if (s->unknown[3 * i + k] >= 0) s->rhs[s->unknown[3 * i + k]] = out[k];
+  }
+  GH_TRY(gh_solver_solve(r->ctx, r->solver, 1, &dx));
+  for (int i = 0; i < r->n; i++) {
+    const int *u = &s->unknown[3 * i];
+    for (int k = 0; k < 2; k++) r->step[2 * i + k] = r->x[2 * i + k] + (u[k] >= 0 ? dx[u[k]] : 0);
+    r->turn[i] = r->theta[i] + (u[2] >= 0 ? dx[u[2]] : 0);
+  }
+  return GH_OK;
+}
+
+/* One full Newton step from x, with the current factor. *falls: the residual is at most `fall` times what it
+ * was, and x is there; else all is where it was. */
+static gh_status newton_step(gh_rve *r, double fall, bool *falls) {
+  double start = gh_seconds(), before = r->m.residual;
+  GH_TRY(gh_rve_friction(r) ? forces_and_moments_solve(r) : forces_solve(r));
+  r->cost.factorise += gh_seconds() - start;
+  GH_TRY(gh_engine_move(r->engine, r->step, r->turn));
+  GH_TRY(gh_rve_update_contacts(r));
+  *falls = r->m.residual <= fall * before && !r->m.unjammed;
+  if (!*falls) {
+    GH_TRY(gh_engine_move(r->engine, r->x, r->theta));
+    return gh_rve_update_contacts(r);
+  }
+  memcpy(r->x, r->step, 2 * (size_t)r->n * sizeof(double));
+  if (r->theta) memcpy(r->theta, r->turn, (size_t)r->n * sizeof(double));
+  return GH_OK;
+}
+
+/* Forces with friction have no potential, and relaxation may end in a limit cycle around an equilibrium.
+ * Newton goes there, as long as every step halves the residual; floating grains, which would make the matrix
+ * singular or be thrown far, get more and more stiffness of their own. Where it does not come to the
+ * end, all is as it was: it may have gone back to an equilibrium that is unstable, which relaxation is just
+ * leaving. */
+gh_status gh_rve_leave_limit_cycle(gh_rve *r, double tolerance) {
+  static const double shifts[] = {0, 1e-9, 1e-6, 1e-4, 1e-2};
+  GH_TRY(gh_engine_get(r->engine, r->x, r->theta));
+  memcpy(r->x0, r->x, 2 * (size_t)r->n * sizeof(double));
+  memcpy(r->theta0, r->theta, (size_t)r->n * sizeof(double));
+  bool moved = false;
+  for (size_t k = 0; k < sizeof shifts / sizeof *shifts; k++) {
+    for (bool falls = true; falls;) {
+      double start = gh_seconds();
+      bool regular;
+      r->shift = shifts[k] * r->options.law.normal_stiffness;
+      GH_TRY(gh_rve_find_rattlers(r));
+      GH_TRY(unknowns_number(r));
+      GH_TRY(stiffness_factor(r, &regular));
+      r->cost.factorise += gh_seconds() - start;
+      if (!regular) break;
+      GH_TRY(newton_step(r, 0.5, &falls));
+      moved = moved || falls;
+      if (falls && r->m.residual <= tolerance) return GH_OK;
+    }
+  }
+  if (!moved) return GH_OK;
+  GH_TRY(gh_engine_move(r->engine, r->x0, r->theta0));
+  return gh_rve_update_contacts(r);
+}
+
+/* Newton from the engine's positions as long as it is safe. *done: the residual is reached. Else the engine
+ * is at the last safe positions, and *again: another attempt after more relaxation is worth it. */
+gh_status gh_rve_newton_finish(gh_rve *r, bool *done, bool *again) {
+  *done = false;
+  *again = true;
+  const double fall = r->relaxes ? 0.5 : 0.95; /* rotations alone have one equilibrium: any fall will do */
+  if (gh_rve_friction(r) && r->relaxes &&
+      !contacts_only_roll(r)) { /* nine times of ten the matrix is singular */
+    *again = false;
+    return GH_OK;
+  }
+  GH_TRY(gh_engine_get(r->engine, r->x, r->theta));
+  for (;;) {
+    bool good, falls;
+    GH_TRY(equilibrium_factor(r, &good));
+    if (!good) { /* with friction: grains that carry nothing slide on their last contact until the end */
+      *again = !gh_rve_friction(r);
+      return GH_OK;
+    }
+    GH_TRY(newton_step(r, fall, &falls));
+    if (!falls) return GH_OK;
+    *done = r->m.residual <= gh_rve_target(r);
+    r->m.polished = *done;
+    if (*done) return GH_OK;
+  }
+}
