@@ -32,12 +32,12 @@ typedef struct gh_farm_setup {
   const void *comm; /* MPI_Comm * whose other ranks are in gh_farm_serve; NULL: this process alone, no MPI */
   bool no_share;    /* compute each point, also where others have the same state and the same F */
   bool no_balance;  /* leave RVEs on the rank where they began */
-  int resident;     /* RVEs that a rank keeps ready to go on; 0: as many as fit into GH_FARM_BYTES */
+  int resident;     /* RVEs that a rank keeps ready to continue; 0: as many as fit into GH_FARM_BYTES */
 } gh_farm_setup;
 /* Memory of a rank for RVEs that are kept ready when gh_farm_setup.resident is 0. */
 #define GH_FARM_BYTES 1e9
 
-/* Points begin in the state of their packing as read. Points with the same packing and the same history of F,
+/* Points start in the state of their packing as read. Points with the same packing and the same history of F,
  * to the bit, are computed once. Neither this, nor the ranks, nor `resident` change a bit of any result.
  * GH_INPUT: options out of range, packing_of out of range. */
 gh_status gh_farm_create_shared(gh_context *ctx, const gh_farm_setup *setup, gh_farm **farm);
@@ -46,18 +46,18 @@ gh_status gh_farm_create_rves(gh_context *ctx, int n, const gh_packing *packing,
                               const gh_rve_options *options, gh_farm **farm);
 void gh_farm_destroy(gh_farm **farm);
 int gh_farm_size(const gh_farm *farm);
-/* stop(data) is asked before each point of an evaluation; once it says true, the evaluation ends with
+/* stop(data) is called before each point of an evaluation; once it is true, the evaluation ends with
  * GH_STOPPED, and the trial states are those of a failed evaluation: to be reverted. NULL: never. */
 void gh_farm_set_stop(gh_farm *farm, bool (*stop)(void *data), void *data);
 
-/* F: n x 4 (row-major 2x2). Fills P (n x 4) and, where wanted, A (n x 16, index iJkL). Trial state only:
- * every evaluation starts from the converged state, or near a trial state that was kept. A failure names the
- * point ("integration point 17: ...", counted from 0), the first one of those that fail. */
+/* F: n x 4 (row-major 2x2). Fills P (n x 4) and, where required, A (n x 16, index iJkL). Trial state only:
+ * every evaluation starts from the converged state, or near a trial state that was stored (gh_farm_keep). A
+ * failure names the point ("integration point 17: ...", counted from 0), the first one of those that fail. */
 gh_status gh_farm_evaluate(gh_farm *farm, const double *F, unsigned want, double *P, double *A);
 gh_status gh_farm_commit(gh_farm *farm); /* trial state becomes the converged state */
-gh_status gh_farm_revert(gh_farm *farm); /* trial state is dropped, and what was kept */
+gh_status gh_farm_revert(gh_farm *farm); /* trial state is dropped, and what gh_farm_keep stored */
 /* Keeps the trial states of the last evaluation until the next commit or revert: evaluations at nearly the
- * same F begin there (gh_rve_evaluate_near). Of RVEs with branches (gh_rve_has_branches), else nothing. */
+ * same F start there (gh_rve_evaluate_near). Of RVEs with branches (gh_rve_has_branches), else nothing. */
 void gh_farm_keep(gh_farm *farm);
 
 /* The converged states of all points as they are now, to come back to. States never change once they are
@@ -85,12 +85,12 @@ void gh_rve_cost_add(gh_rve_cost *sum, const gh_rve_cost *more); /* sum += more 
 typedef struct gh_farm_counts {
   long evaluations, steps, factorisations, pairs; /* of points: evaluations, relaxation steps,
                                                      factorisations, pair evaluations (gh_engine_cost) */
-  long kept;                                      /* evaluations in which slip was kept (gh_rve_measures) */
-  long accepted;                                  /* evaluations taken out of balance (gh_rve_options) */
-  long computed;                                  /* evaluations done, points that share counted once */
-  long moved;                                     /* states that went from rank to rank */
-  int ranks, states;                              /* now: ranks; different converged states */
-  int residents;                                  /* RVEs kept ready on this rank, of about `bytes` each */
+  long kept;         /* evaluations with an intermediate history commit (gh_rve_measures) */
+  long accepted;     /* evaluations accepted unconverged (gh_rve_options) */
+  long computed;     /* evaluations done, points that share counted once */
+  long moved;        /* states that went from rank to rank */
+  int ranks, states; /* now: ranks; different converged states */
+  int residents;     /* RVEs kept ready on this rank, of about `bytes` each */
   double bytes;
   double busy, longest; /* processor seconds of all evaluations, and of the busiest rank in each: busy over
                            ranks times longest is the efficiency of the distribution */
@@ -102,7 +102,7 @@ void gh_farm_count(const gh_farm *farm, gh_farm_counts *counts);
 typedef struct gh_farm_image {
   int npoints, nstates;
   int *state;      /* npoints: number of the point's state; -1: packing as read */
-  size_t *start;   /* nstates + 1: where each begins in data */
+  size_t *start;   /* nstates + 1: where each starts in data */
   double *data;    /* start[nstates] */
   int nwords;      /* doubles of one gh_rve_measures, the last rounded up */
   double *measure; /* npoints x nwords: the bytes of the measures of the last evaluation */
@@ -117,8 +117,8 @@ gh_status gh_farm_load(gh_farm *farm, const gh_farm_image *image);
 /* ---- other ranks ---- */
 
 /* What every rank but 0 of comm (MPI_Comm *) does: serves the farms that rank 0 makes, until gh_farm_dismiss.
- * stop(data) is asked between points, and ends the evaluation on all ranks; NULL: never. A failure is told to
- * rank 0; GH_OK also then. */
+ * stop(data) is called between points, and ends the evaluation on all ranks; NULL: never. A failure is
+ * reported to rank 0; GH_OK also then. */
 gh_status gh_farm_serve(gh_context *ctx, const void *comm, bool (*stop)(void *data), void *data);
 /* Rank 0: ends gh_farm_serve on all others. */
 void gh_farm_dismiss(const void *comm);

@@ -17,7 +17,7 @@ typedef struct farm_state {
 typedef struct farm_job {
   farm_task task;
   int state, result; /* states it reads and writes */
-  int near;          /* state that it may begin near, -1 */
+  int near;          /* state near which it may start, -1 */
   int rank;
   double cost; /* expected, seconds */
 } farm_job;
@@ -38,7 +38,7 @@ typedef struct farm_books {
   bool share, balance, keeps; /* keeps: trial states, for evaluations nearby */
   /* per point */
   int *packing, *state, *job; /* job: of the last evaluation, -1 */
-  int *near;                  /* trial state that was kept, -1 */
+  int *near;                  /* trial state that was stored, -1 */
   int *home;                  /* rank where it is computed */
   double *cost;               /* seconds of an evaluation, running mean; 0 while unknown */
   gh_rve_measures *measure;
@@ -68,7 +68,7 @@ void farm_books_settle(farm_books *books);
 /* What came out for one job. */
 void farm_books_answer(farm_books *books, int job, const farm_answer *answer);
 void farm_books_commit(farm_books *books);
-/* Keeps the trial states, or lets those go that were kept. */
+/* Stores the trial states, or releases those that were stored. */
 void farm_books_keep(farm_books *books);
 void farm_books_forget(farm_books *books);
 /* A new state with one user, in a free slot of that rank. */

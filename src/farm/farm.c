@@ -105,7 +105,7 @@ const gh_rve_measures *gh_farm_measure(const gh_farm *f, int point) {
 
 gh_status gh_farm_look(gh_farm *f, int point, gh_rve_view *view) {
   if (f->shared) return farm_shared_look(f->shared, point, view);
-  return gh_fail(f->ctx, GH_INPUT, "integration point %d is no RVE to look at", point);
+  return gh_fail(f->ctx, GH_INPUT, "integration point %d is no RVE to inspect", point);
 }
 
 int gh_farm_packing(const gh_farm *f, int point) {

@@ -20,7 +20,7 @@ typedef struct farm_shared {
   farm_message message, view;
   bool (*stop)(void *data);
   void *stop_data;
-  bool cancelled; /* the other ranks were told to stop */
+  bool cancelled; /* the other ranks have the order to stop */
 } farm_shared;
 
 gh_status farm_shared_create(gh_context *ctx, const gh_farm_setup *setup, farm_shared **shared);
@@ -29,7 +29,7 @@ gh_status farm_shared_evaluate(farm_shared *s, const double *F, unsigned want, d
 gh_status farm_shared_look(farm_shared *s, int point, gh_rve_view *view);
 void farm_shared_costs(farm_shared *s, gh_rve_cost *sum);
 
-/* A message that begins with a command; to be filled and sent by farm_order. */
+/* A message that starts with a command; to be filled and sent by farm_order. */
 farm_message *farm_begin_order(farm_shared *s, farm_command command);
 gh_status farm_order(farm_shared *s, int rank);
 /* Waits for the reply of a rank, into s->message, and takes its status. */

@@ -54,9 +54,9 @@ typedef struct farm_waiting {
 gh_status farm_connect(gh_context *ctx, const void *comm, farm_comm *to, int *ranks);
 /* Tells a rank to leave its jobs. */
 void farm_cancel(farm_comm comm, int rank);
-/* Sends and waits until the message is on its way. */
+/* Sends and waits until the message is sent. */
 void farm_send(farm_comm comm, int rank, int tag, const farm_message *m);
-/* Waits for a message of rank with this tag (MPI_ANY_TAG: any; *tag tells). */
+/* Waits for a message of rank with this tag (MPI_ANY_TAG: any; *tag: which). */
 gh_status farm_receive(gh_context *ctx, farm_comm comm, int rank, int *tag, farm_message *m,
                        const farm_waiting *waiting);
 /* A state by itself. */

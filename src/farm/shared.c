@@ -271,7 +271,7 @@ static void spread(farm_shared *s, int end, double *P, double *A) {
 gh_status farm_shared_evaluate(farm_shared *s, const double *F, unsigned want, double *P, double *A) {
   failure f = {.point = INT_MAX};
   if (!A && want & GH_WANT_TANGENT)
-    return gh_fail(s->ctx, GH_INTERNAL, "a tangent is wanted, and there is no place for it");
+    return gh_fail(s->ctx, GH_INTERNAL, "a tangent is required, and there is no place for it");
   GH_TRY(farm_books_plan(&s->books, F));
   GH_TRY(run_jobs(s, want, &f));
   farm_books_settle(&s->books);

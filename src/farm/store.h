@@ -32,7 +32,7 @@ gh_status farm_store_create(gh_context *ctx, int npackings, gh_packing **packing
 void farm_store_destroy(farm_store **store);
 /* Makes one RVE of each packing, so that wrong options show before anything is computed. */
 gh_status farm_store_check(farm_store *store);
-/* Begins a round of evaluations: all that are wanted at one time. */
+/* Starts a round of evaluations: all that are required at one time. */
 void farm_store_begin(farm_store *store);
 gh_status farm_store_evaluate(farm_store *store, const farm_task *task, unsigned want, farm_answer *answer);
 /* The state in a slot; belongs to the store, valid until the slot is written. */

@@ -677,7 +677,7 @@ static void a_farm_of_anything(void **state) {
   OK(gh_farm_revert(farm));
   assert_true(log[0] == 3 && log[1] == 3 && log[2] == 0);
   gh_rve_view view;
-  FAILS(gh_farm_look(farm, 0, &view), GH_INPUT, "no RVE to look at");
+  FAILS(gh_farm_look(farm, 0, &view), GH_INPUT, "no RVE to inspect");
   assert_null(gh_farm_measure(farm, 0));
   gh_farm_destroy(&farm);
   assert_null(farm);
