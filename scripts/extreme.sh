@@ -28,6 +28,7 @@ awk -F '|' '
     sub(/^converged[,;] (error )?/, "", outcome)
     sub(/\(allowed /, "(", outcome)
     sub(/ refused: no equilibrium.*/, " refused", outcome)
+    if ($3 ~ /^message, exit status/) sub(/^refused: .*/, "refused", outcome)
   }
   $1 == "Program" {
     code = substr($4, 13, 1)
