@@ -262,9 +262,9 @@ static void two_turns(void **state) {
       else WITHIN(&worst[0], "stress", relative(s, s0, 4), 1);
       gh_rve_destroy(&rve);
     }
-  row_error(section, "rotation by 720 degrees in steps of 1 degree, objective slip", "stress turns along",
+  row_error(section, "rotation by 720 degrees in steps of 1 degree, objective slip", "stress rotates along",
             worst[1], 1e-7);
-  row(section, "the same, projected slip (7.5)", "stress turns along",
+  row(section, "the same, projected slip (7.5)", "stress rotates along",
       "converged, departs by %.0e: the printed measure is not objective", worst[0]);
   gh_packing_destroy(&p);
 }
@@ -321,7 +321,7 @@ static void reversals(void **state) {
     WITHIN(&total, "drift", c.total, 1.1e-7 * MANY);
     WITHIN(&many, "energy", c.defect, 1e-6 * MANY / FEW);
   }
-  row(section, "50 reversals of a shear of 2e-4 in parts of 5e-5", "the stress returns; energy balance",
+  row(section, "50 reversals of a shear of 2e-4 in increments of 5e-5", "the stress returns; energy balance",
       "converged, shakes down; creeps by %.0e of the stress in a cycle, by half of it with half the "
       "increments; "
       "energy balance within %.0e of the stored energy",
