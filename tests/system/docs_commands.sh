@@ -49,6 +49,12 @@ done
 if /usr/bin/python3 -c 'import h5py' 2>/dev/null && "$granhom" --version | grep -q 'HDF5 yes'; then
   { blocks python docs/how-to/results.md && echo 'assert len(u) == len(X) and len(stress[0]) == 4 and len(force) == len(rows)'; } >results.py
   check "docs/how-to/results.md: Python" /usr/bin/python3 results.py
+  granhom help columns run >columns.md
+  found=$(/usr/bin/python3 "$root/tests/docs_columns.py" columns.md mysand/out 2>&1)
+  if [ -z "$found" ]; then ok "datasets and columns are those of the reference"; else not_ok "datasets and columns are those of the reference" "$found"; fi
+  grep -v '`acoustic`' columns.md >fewer.md
+  found=$(/usr/bin/python3 "$root/tests/docs_columns.py" fewer.md mysand/out | wc -l)
+  if [ "$found" = 2 ]; then ok "a dataset without a word is found"; else not_ok "a dataset without a word is found" "$found"; fi
 fi
 # the study of the page, beside those of scenes/studies
 mkdir -p pages/studies
