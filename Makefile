@@ -24,7 +24,7 @@ BUILD  ?= build
 PREFIX ?= /usr/local
 ARCH   ?= -march=native
 OPT    ?= -O3
-MODULES ?= base io mesh contact packing engine engine/native engine/lammps micro farm control macro prepare results report scene crosscheck study
+MODULES ?= base io mesh contact packing engine engine/native micro farm control macro prepare results report scene crosscheck study
 
 # MPI=0: granhom's own code knows no ranks; LAMMPS keeps the MPI that it was built with. HDF5=0: results as text alone.
 MPI    ?= 1
@@ -53,15 +53,28 @@ LAMMPS ?= /usr/include/lammps
 CFLAGS  = -std=c17 -D_XOPEN_SOURCE=700 $(FLAGS) $(CPPFLAGS_PKG) -fexceptions
 # LAMMPS's headers are C++11 of their own kind: ours on top of them keep the warnings.
 CXXFLAGS = -std=c++17 $(FLAGS) $(CPPFLAGS_PKG) $(MPI_OF_LAMMPS) -isystem $(LAMMPS) -isystem src/engine/lammps/compat -DLAMMPS_SMALLBIG -DLAMMPS_LIB_MPI
-LDFLAGS = -rdynamic $(SAN)
-LDLIBS  = -llammps -lcholmod -lumfpack -lklu $(shell $(PKG_CONFIG) --libs $(PKGS) ompi-c 2>/dev/null) -lstdc++ -lm
+LDFLAGS = $(SAN)
+LIBS_RVE = -lcholmod -lklu -lm
+LDLIBS  = -lumfpack $(LIBS_RVE) $(shell $(PKG_CONFIG) --libs $(PKGS) 2>/dev/null)
+LIBS_LAMMPS = -llammps -lumfpack $(shell $(PKG_CONFIG) --libs ompi-c 2>/dev/null) -lstdc++ -lm
 
 SRC  := $(filter-out $(LEFT_OUT),$(foreach m,$(MODULES),$(wildcard src/$(m)/*.c src/$(m)/*.cpp)))
 OBJ  := $(SRC:%=$(BUILD)/%.o)
 LIB  := $(BUILD)/libgranhom.a
+# libgranhom-rve: one RVE and what it needs, no more than SuiteSparse, libc and libm.
+RVE_SRC := $(filter src/base/% src/contact/% src/packing/% src/engine/% src/micro/% src/control/%,$(SRC)) \
+  $(wildcard $(addprefix src/io/,csv*.c lammps_*.c number.c read.c replace.c text.c unprintable.c))
+RVE_OBJ := $(RVE_SRC:%=$(BUILD)/%.o)
+# The LAMMPS engine is loaded when it is asked for (src/engine/module.h). What it shares with the library, it has for itself.
+MODULE_SRC := $(wildcard src/engine/lammps/*.c src/engine/lammps/*.cpp)
+MODULE_OBJ := $(MODULE_SRC:%=$(BUILD)/%.o)
+MODULE_OWN := $(patsubst %,$(BUILD)/src/%.c.o,base/context base/build engine/relax engine/relax_friction engine/relax_fire)
+MODULE  := $(BUILD)/granhom-lammps.so
 VERSION := $(shell sed -n 's/^\#define GH_VERSION "\(.*\)"/\1/p' include/granhom/granhom.h)
 SONAME  := libgranhom.so.$(firstword $(subst ., ,$(VERSION)))
 SHARED  := $(BUILD)/libgranhom.so.$(VERSION)
+RVE_SONAME := libgranhom-rve.so.$(firstword $(subst ., ,$(VERSION)))
+RVE_SHARED := $(BUILD)/libgranhom-rve.so.$(VERSION)
 DRV  := $(filter-out $(LEFT_OUT),$(wildcard driver/*.c))
 DOBJ := $(DRV:%=$(BUILD)/%.o)
 TESTS := $(wildcard tests/unit/test_*.c tests/verify/test_*.c tests/extreme/test_*.c)
@@ -77,15 +90,16 @@ FUZZ_OBJ := $(BUILD)/tests/fuzz/fuzz.c.o $(FUZZ_LOOP) $(filter-out %/main.c.o,$(
 .PHONY: all lib demo check bench asan valgrind plugin install uninstall clean packages tests-only fuzz fuzz-build fuzz-targets
 .DEFAULT_GOAL := all
 .PRECIOUS: $(BUILD)/%.c.o $(BUILD)/%.cpp.o
-all: $(BUILD)/granhom
-lib: $(LIB) $(SHARED)
+all: $(BUILD)/granhom $(MODULE)
+lib: $(LIB) $(SHARED) $(RVE_SHARED) $(MODULE)
 
 # Objects of another choice of MPI, HDF5, LAMMPS, compilers and their options are not mixed with these.
-CHOICE := MPI=$(MPI) HDF5=$(HDF5) LAMMPS=$(LAMMPS) $(lastword $(CC)) $(lastword $(CXX)) $(OPT) $(ARCH) $(SAN)
+LAMMPS_VERSION := $(shell $(PKG_CONFIG) --modversion liblammps 2>/dev/null | grep -xE '[0-9]{8}' || echo 0)
+CHOICE := MPI=$(MPI) HDF5=$(HDF5) LAMMPS=$(LAMMPS) $(LAMMPS_VERSION) $(lastword $(CC)) $(lastword $(CXX)) $(OPT) $(ARCH) $(SAN)
 $(shell mkdir -p $(BUILD); echo '$(CHOICE)' | cmp -s - $(BUILD)/choice || echo '$(CHOICE)' >$(BUILD)/choice)
 
 # What answers and their seconds depend on, as a number: records of a study tell by it of which build they are.
-ANSWERS := $(sort $(filter-out src/study/% src/report/%,$(SRC)) $(addprefix src/study/,path.c follow.c scene_run.c) \
+ANSWERS := $(sort $(filter-out src/study/% src/report/%,$(SRC)) $(MODULE_SRC) $(addprefix src/study/,path.c follow.c scene_run.c) \
   $(wildcard include/granhom/*.h src/*/*.h src/*/*/*.h))
 $(shell printf '\043define GH_SOURCES "%s"\n' "$$(cat $(ANSWERS) | cksum | cut -d' ' -f1)" >$(BUILD)/sources.new; \
   cmp -s $(BUILD)/sources.new $(BUILD)/sources.h && rm $(BUILD)/sources.new || mv $(BUILD)/sources.new $(BUILD)/sources.h)
@@ -103,24 +117,35 @@ $(BUILD)/%.cpp.o: %.cpp Makefile $(BUILD)/choice | $(PRESENT)
 	@mkdir -p $(@D)
 	@echo "  CXX  $<"
 	@$(CXX) $(CXXFLAGS) -MMD -MP -c $< -o $@
+$(BUILD)/src/engine/module_load.c.o: CFLAGS += -DGH_MODULE_LAMMPS=$(LAMMPS_VERSION)
 $(LIB): $(OBJ)
 	@rm -f $@
 	@ar rcs $@ $^
-# What the library exports: gh_*, and LAMMPS's functions that it replaces (src/engine/lammps/guard.cpp).
+# Sanitizers come with the program, so that a shared object cannot name all that it needs.
+SHARE = $(CC) -shared -Wl,--as-needed $(if $(SAN),$(SAN),-Wl,-z,defs)
 $(SHARED): $(OBJ) scripts/libgranhom.map
 	@echo "  LD   $@"
-	@$(CC) -shared -Wl,-soname,$(SONAME) -Wl,--version-script=scripts/libgranhom.map -Wl,-z,defs $(SAN) $(OBJ) $(LDLIBS) -o $@
+	@$(SHARE) -Wl,-soname,$(SONAME) -Wl,--version-script=scripts/libgranhom.map $(OBJ) $(LDLIBS) -o $@
+$(RVE_SHARED): $(RVE_OBJ) scripts/libgranhom.map
+	@echo "  LD   $@"
+	@$(SHARE) -Wl,-soname,$(RVE_SONAME) -Wl,--version-script=scripts/libgranhom.map $(RVE_OBJ) $(LIBS_RVE) -o $@
+# Exported are its table, and LAMMPS's functions that it replaces (src/engine/lammps/interpose*.cpp).
+$(MODULE): $(MODULE_OBJ) $(MODULE_OWN) scripts/granhom-lammps.map
+	@echo "  LD   $@"
+	@$(SHARE) -Wl,--version-script=scripts/granhom-lammps.map $(MODULE_OBJ) $(MODULE_OWN) $(LIBS_LAMMPS) -o $@.tmp && mv $@.tmp $@
 $(BUILD)/granhom: $(DOBJ) $(LIB)
 	@echo "  LD   $@"
 	@$(CC) $(LDFLAGS) $(DOBJ) $(LIB) $(LDLIBS) -o $@
-$(BUILD)/tests/bench/%: $(BUILD)/tests/bench/%.c.o $(LIB)
-	@$(CC) $(LDFLAGS) $< $(LIB) $(LDLIBS) -o $@
-$(BUILD)/tests/fuzz/fuzz_%: $(BUILD)/tests/fuzz/fuzz_%.c.o $(FUZZ_OBJ) $(LIB)
+# Tests have the objects of the LAMMPS engine in themselves, whose symbols must come before those of liblammps.so.
+TEST_LIBS = $(MODULE_OBJ) $(LIB) $(LDLIBS) $(LIBS_LAMMPS)
+$(BUILD)/tests/bench/%: $(BUILD)/tests/bench/%.c.o $(LIB) $(MODULE_OBJ)
+	@$(CC) -rdynamic $(LDFLAGS) $< $(TEST_LIBS) -o $@
+$(BUILD)/tests/fuzz/fuzz_%: $(BUILD)/tests/fuzz/fuzz_%.c.o $(FUZZ_OBJ) $(LIB) $(MODULE_OBJ)
 	@echo "  LD   $@"
-	@$(CC) $(LDFLAGS) $(if $(FUZZ_LOOP),,-fsanitize=fuzzer) $^ $(LDLIBS) -o $@
-$(BUILD)/tests/%: $(BUILD)/tests/%.c.o $(LIB)
+	@$(CC) -rdynamic $(LDFLAGS) $(if $(FUZZ_LOOP),,-fsanitize=fuzzer) $< $(FUZZ_OBJ) $(TEST_LIBS) -o $@
+$(BUILD)/tests/%: $(BUILD)/tests/%.c.o $(LIB) $(MODULE_OBJ)
 	@echo "  LD   $@"
-	@$(CC) $(LDFLAGS) $< $(LIB) $(LDLIBS) -lcmocka -o $@
+	@$(CC) -rdynamic $(LDFLAGS) $< $(TEST_LIBS) -lcmocka -o $@
 
 # tests/unit/test_lean.c counts what granhom's own objects ask for.
 COUNTED := malloc calloc realloc _Znwm _ZN9LAMMPS_NS6Memory7smallocElPKc _ZN9LAMMPS_NS6Memory8sreallocEPvlPKc lammps_open lammps_command \
@@ -130,7 +155,7 @@ $(BUILD)/tests/unit/test_lean: LDFLAGS += $(COUNTED:%=-Wl,--wrap=%)
 # The styles for LAMMPS's own program: what they need of this library, and no more. With the package's headers for the package's
 # library, so that it can be preloaded (programs that lmp starts see it too); with other headers for the LAMMPS that loads it.
 PLUGIN := $(BUILD)/granhomplugin.so
-PLUGIN_SRC := $(filter-out %/bridge.c %/guard.cpp %/interpose.cpp %/interpose_programs.cpp,$(filter src/engine/lammps/%,$(SRC))) \
+PLUGIN_SRC := $(filter-out %/bridge.c %/guard.cpp %/interpose.cpp %/interpose_programs.cpp %/module.c,$(MODULE_SRC)) \
   $(filter src/engine/relax%,$(SRC))
 $(PLUGIN): $(PLUGIN_SRC:%=$(BUILD)/%.o) scripts/granhomplugin.map
 	@echo "  LD   $@"
@@ -209,22 +234,30 @@ mandir := $(PREFIX)/share/man/man1
 $(BUILD)/granhom.1: $(BUILD)/granhom scripts/man.sh man/granhom.1.in
 	@scripts/man.sh $(BUILD)/granhom man/granhom.1.in >$@.tmp && mv $@.tmp $@
 install: all lib $(BUILD)/granhom.1
-	install -d $(DESTDIR)$(bindir) $(DESTDIR)$(libdir)/pkgconfig $(DESTDIR)$(incdir)/granhom $(DESTDIR)$(mandir)
+	install -d $(DESTDIR)$(bindir) $(DESTDIR)$(libdir)/granhom $(DESTDIR)$(libdir)/pkgconfig $(DESTDIR)$(incdir)/granhom $(DESTDIR)$(mandir)
 	install $(BUILD)/granhom $(DESTDIR)$(bindir)/granhom
-	install -m 644 $(LIB) $(SHARED) $(DESTDIR)$(libdir)
+	install -m 644 $(LIB) $(SHARED) $(RVE_SHARED) $(DESTDIR)$(libdir)
+	install -m 644 $(MODULE) $(DESTDIR)$(libdir)/granhom
+	$(CC) $(CFLAGS) -DGH_MODULE_LAMMPS=$(LAMMPS_VERSION) -DGH_MODULE_PLACE='"$(libdir)/granhom"' -c src/engine/module_load.c -o $(DESTDIR)$(libdir)/module_load.c.o
+	cd $(DESTDIR)$(libdir) && ar r libgranhom.a module_load.c.o && rm module_load.c.o
 	ln -sf $(notdir $(SHARED)) $(DESTDIR)$(libdir)/$(SONAME)
 	ln -sf $(SONAME) $(DESTDIR)$(libdir)/libgranhom.so
+	ln -sf $(notdir $(RVE_SHARED)) $(DESTDIR)$(libdir)/$(RVE_SONAME)
+	ln -sf $(RVE_SONAME) $(DESTDIR)$(libdir)/libgranhom-rve.so
 	install -m 644 include/granhom/*.h $(DESTDIR)$(incdir)/granhom
-	sed -e 's|@PREFIX@|$(PREFIX)|' -e 's|@VERSION@|$(VERSION)|' -e 's|@LIBS@|-rdynamic $(SAN) $(LDLIBS)|' scripts/granhom.pc.in \
+	sed -e 's|@PREFIX@|$(PREFIX)|' -e 's|@VERSION@|$(VERSION)|' -e 's|@LIBS@|$(LDLIBS)|' scripts/granhom.pc.in \
 	  >$(DESTDIR)$(libdir)/pkgconfig/granhom.pc
+	sed -e 's|@PREFIX@|$(PREFIX)|' -e 's|@VERSION@|$(VERSION)|' scripts/granhom-rve.pc.in \
+	  >$(DESTDIR)$(libdir)/pkgconfig/granhom-rve.pc
 	install -m 644 $(BUILD)/granhom.1 $(DESTDIR)$(mandir)
 uninstall:
 	rm -f $(DESTDIR)$(bindir)/granhom $(DESTDIR)$(libdir)/libgranhom.a $(DESTDIR)$(libdir)/libgranhom.so $(DESTDIR)$(libdir)/$(SONAME)
 	rm -f $(DESTDIR)$(libdir)/$(notdir $(SHARED)) $(DESTDIR)$(libdir)/pkgconfig/granhom.pc $(DESTDIR)$(mandir)/granhom.1
+	rm -f $(addprefix $(DESTDIR)$(libdir)/,$(notdir $(RVE_SHARED)) $(RVE_SONAME) libgranhom-rve.so pkgconfig/granhom-rve.pc granhom/$(notdir $(MODULE)))
 	rm -f $(patsubst include/%,$(DESTDIR)$(incdir)/%,$(wildcard include/granhom/*.h))
-	-rmdir $(DESTDIR)$(incdir)/granhom
+	-rmdir $(DESTDIR)$(incdir)/granhom $(DESTDIR)$(libdir)/granhom
 include scripts/checks.mk
 clean:
 	rm -rf $(BUILD) $(BUILD)-asan $(BUILD)-valgrind $(BUILD)-fuzz
 
--include $(OBJ:.o=.d) $(DOBJ:.o=.d) $(TBIN:%=%.c.d) $(FUZZ:%=%.c.d)
+-include $(OBJ:.o=.d) $(MODULE_OBJ:.o=.d) $(DOBJ:.o=.d) $(TBIN:%=%.c.d) $(FUZZ:%=%.c.d)

@@ -33,10 +33,11 @@ int cli_close(gh_context *ctx, gh_status s);
 gh_status cli_print(gh_context *ctx, const gh_text *text);
 /* Prints "granhom NAME: message" and how to get help; returns 2. */
 int cli_usage(const cli_command *command, const char *format, ...) GH_PRINTF(2, 3);
-/* MPI_Init for commands that need MPI (LAMMPS, HDF5), MPI_Finalize at exit. GH_INPUT when started on more
- * than one rank and `single` is set, or this build has no MPI. */
+/* For commands that may need MPI (ranks, LAMMPS, HDF5): MPI_Init where mpirun or a batch system has started
+ * this process (elsewhere the LAMMPS engine does it, when it is used), MPI_Finalize at exit. GH_INPUT when
+ * started on more than one rank and `single` is set, or this build has no MPI. */
 gh_status cli_mpi(gh_context *ctx, bool single);
-/* MPI_Comm * of all ranks, for the library; NULL in a build without MPI. */
+/* MPI_Comm * of all ranks, for the library; NULL for a process of its own and in a build without MPI. */
 const void *cli_world(void);
 /* How many they are; 0 in a build without MPI. */
 int cli_ranks(void);

@@ -12,7 +12,7 @@ format-check:
 	@echo "format-check: no differences"
 
 # One file at a time, again when it, one of its headers or .clang-tidy has changed.
-TIDY := $(addsuffix .tidy,$(addprefix $(BUILD)/,$(SRC) $(DRV) $(TESTS) $(wildcard tests/fuzz/*.c tests/bench/*.c)))
+TIDY := $(addsuffix .tidy,$(addprefix $(BUILD)/,$(SRC) $(MODULE_SRC) $(DRV) $(TESTS) $(wildcard tests/fuzz/*.c tests/bench/*.c)))
 tidy:
 	@scripts/install-packages.sh tidy
 	@$(MAKE) --no-print-directory -k -j$$(nproc) $(TIDY)

@@ -105,6 +105,9 @@ const char *gh_engine_name(const gh_engine *engine);
 /* Version of the LAMMPS library that this program runs with, as a date: 20210929. Opens a silent instance to
  * ask it (milliseconds; MPI is initialised if nobody did). 0: LAMMPS cannot be used; engines then say why. */
 int gh_engine_lammps_version(void);
+/* Version of LAMMPS that granhom-lammps.so was built with, as a date, without loading it. 0: the file is not
+ * there. */
+int gh_engine_lammps_built(void);
 
 /* With friction, before the first gh_engine_set of an increment: the converged state that the increment
  * starts from. Copied. Positions and history of it stay until the next gh_engine_begin. Without friction it

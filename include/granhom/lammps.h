@@ -2,8 +2,8 @@
  *
  * Every function returns GH_ENGINE with LAMMPS's own message where LAMMPS would have ended the process, and
  * checks names and pointers that LAMMPS does not check. After an error the instance can be closed, and used
- * again from a `run` with setup on. The executable must be linked with -rdynamic: granhom replaces functions
- * of a packaged liblammps.so that has no exceptions of its own. */
+ * again from a `run` with setup on. The first call loads granhom-lammps.so, and LAMMPS with it: GH_ENGINE
+ * with the places that were tried when it is not there. */
 #ifndef GRANHOM_LAMMPS_H
 #define GRANHOM_LAMMPS_H
 
@@ -14,7 +14,7 @@ extern "C" {
 #endif
 
 /* A silent instance on this process alone (MPI_COMM_SELF; MPI is initialised if nobody did), with granhom's
- * styles. GH_ENGINE: version below 29 Sep 2021, or the executable's symbols are not visible. */
+ * styles. GH_ENGINE: version below 29 Sep 2021, or another copy of LAMMPS was loaded before the module. */
 gh_status gh_lmp_open(gh_context *ctx, void **lmp);
 /* Of an open instance, as a date: 20210929. */
 int gh_lmp_version(gh_context *ctx, void *lmp);

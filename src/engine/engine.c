@@ -1,6 +1,7 @@
 /* Dispatch to the engines, and the checks that all of them need. SPDX-License-Identifier: GPL-2.0-or-later */
-#include "engine/lammps/guard.h"
+#include "engine/module.h"
 #include "engine/ops.h"
+#include "granhom/lammps.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -81,10 +82,16 @@ gh_status gh_engine_create(gh_context *ctx, gh_engine_kind kind, const gh_engine
                            gh_engine **engine) {
   *engine = NULL;
   GH_TRY(check_setup(ctx, setup));
+  const gh_engine_ops *ops = &gh_native_ops;
+  if (kind == GH_ENGINE_LAMMPS) {
+    const gh_lammps_module *module;
+    GH_TRY(gh_lammps_load(ctx, &module));
+    ops = module->engine;
+  }
   gh_engine *e;
   GH_TRY(gh_alloc(ctx, 1, sizeof *e, &e));
   *e = (gh_engine){.ctx = ctx,
-                   .ops = kind == GH_ENGINE_LAMMPS ? &gh_lammps_ops : &gh_native_ops,
+                   .ops = ops,
                    .n = setup->n,
                    .periodic = setup->periodic,
                    .friction = setup->law.friction != 0};

@@ -23,7 +23,7 @@ typedef struct gh_engine_ops {
 } gh_engine_ops;
 
 extern const gh_engine_ops gh_native_ops; /* src/engine/native/ */
-extern const gh_engine_ops gh_lammps_ops; /* src/engine/lammps/ */
+extern const gh_engine_ops gh_lammps_ops; /* src/engine/lammps/, within the module (engine/module.h) */
 
 #ifdef __cplusplus
 }

@@ -179,6 +179,7 @@ gh_status gh_farm_serve(gh_context *ctx, const void *comm, bool (*stop)(void *da
 }
 
 void gh_farm_dismiss(const void *comm) {
+  if (!comm) return;
   MPI_Comm c = *(const MPI_Comm *)comm;
   int ranks;
   MPI_Comm_size(c, &ranks);

@@ -93,13 +93,13 @@ typedef struct atoms {
 
 static gh_status look(bridge *e, atoms *a) {
   int nlocal;
-  GH_TRY(gh_lmp_setting(e->ctx, e->lmp, "nlocal", &nlocal));
+  GH_TRY(guard_setting(e->ctx, e->lmp, "nlocal", &nlocal));
   if (nlocal != e->n)
     return gh_fail(e->ctx, GH_ENGINE, "LAMMPS has lost grains: %d of %d are left", nlocal, e->n);
-  GH_TRY(gh_lmp_atom(e->ctx, e->lmp, "x", &a->x));
-  GH_TRY(gh_lmp_atom(e->ctx, e->lmp, "f", &a->f));
-  GH_TRY(gh_lmp_atom(e->ctx, e->lmp, "id", &a->tag));
-  return gh_lmp_atom(e->ctx, e->lmp, "image", &a->image);
+  GH_TRY(guard_atom(e->ctx, e->lmp, "x", &a->x));
+  GH_TRY(guard_atom(e->ctx, e->lmp, "f", &a->f));
+  GH_TRY(guard_atom(e->ctx, e->lmp, "id", &a->tag));
+  return guard_atom(e->ctx, e->lmp, "image", &a->image);
 }
 
 /* Image flags of an atom in x and y. */
@@ -112,8 +112,8 @@ static void decode(int image, double k[2]) {
 static gh_status write_set(bridge *e) {
   atoms a;
   GH_TRY(look(e, &a));
-  if (e->periodic) GH_TRY(gh_lmp_set_cell(e->ctx, e->lmp, FIX, e->t));
-  else GH_TRY(gh_lmp_rebuild(e->ctx, e->lmp, FIX));
+  if (e->periodic) GH_TRY(guard_set_cell(e->ctx, e->lmp, FIX, e->t));
+  else GH_TRY(guard_rebuild(e->ctx, e->lmp, FIX));
   for (int k = 0; k < e->n; k++) {
     int i = a.tag[k] - 1;
     double y[2], s[2], *w = &e->wrap[2 * i];
@@ -187,12 +187,12 @@ static gh_status write_history(bridge *e) {
     e->keyed[c] = e->slips[c];
     image_of_lammps(e, e->slips[c].i, e->slips[c].j, e->slips[c].image, e->keyed[c].image);
   }
-  return gh_lmp_history(e->ctx, e->lmp, H, e->frame_n, e->theta_n, e->keyed, e->nslips);
+  return guard_history(e->ctx, e->lmp, H, e->frame_n, e->theta_n, e->keyed, e->nslips);
 }
 
 /* Grains that do not rotate stay as they were at n, whatever is asked for. */
 static gh_status write_rotations(bridge *e) {
-  return gh_lmp_set_rotations(e->ctx, e->lmp, e->law.fixed_rotations ? e->theta_n : e->theta);
+  return guard_set_rotations(e->ctx, e->lmp, e->law.fixed_rotations ? e->theta_n : e->theta);
 }
 
 /* LAMMPS evaluates the forces at the given positions; write puts them into its arrays. The first time, and
@@ -202,14 +202,14 @@ static gh_status evaluate(bridge *e, gh_status (*write)(bridge *)) {
   e->valid = e->started = e->relaxed = false;
   if (!started) {
     GH_TRY(write_set(e));
-    GH_TRY(gh_lmp_command(e->ctx, e->lmp, "run 0 post no"));
+    GH_TRY(guard_command(e->ctx, e->lmp, "run 0 post no"));
   }
   GH_TRY(write(e));
   if (e->law.friction) {
     if (!started || write == write_set) GH_TRY(write_history(e));
     GH_TRY(write_rotations(e));
   }
-  GH_TRY(gh_lmp_advance(e->ctx, e->lmp, FIX));
+  GH_TRY(guard_advance(e->ctx, e->lmp, FIX));
   e->valid = e->started = true;
   return GH_OK;
 }
@@ -244,7 +244,7 @@ static gh_status read_positions(bridge *e) {
 static void bridge_destroy(void *self) {
   bridge *e = self;
   if (!e) return;
-  gh_lmp_close(&e->lmp);
+  guard_close(&e->lmp);
   void *const arrays[] = {e->held,    e->given,  e->x,     e->force,    e->radius,   e->type,    e->wrap,
                           e->order,   e->first,  e->shift, e->contacts, e->x_n,      e->theta_n, e->theta,
                           e->frame_n, e->moment, e->slips, e->keyed,    e->friction, e->image};
@@ -276,18 +276,18 @@ static gh_status allocate(gh_context *ctx, bridge *e) {
 static gh_status make_box(bridge *e, int types) {
   gh_context *ctx = e->ctx;
   void *lmp = e->lmp;
-  GH_TRY(gh_lmp_command(ctx, lmp, "units lj"));
-  GH_TRY(gh_lmp_command(ctx, lmp, "dimension 2"));
-  GH_TRY(gh_lmp_command(ctx, lmp, "atom_style sphere"));
-  GH_TRY(gh_lmp_command(ctx, lmp, "atom_modify map array sort 0 0"));
-  GH_TRY(gh_lmp_command(ctx, lmp, "newton off"));
-  GH_TRY(gh_lmp_command(ctx, lmp, "box tilt large"));
-  GH_TRY(gh_lmp_command(ctx, lmp, "boundary %s", e->periodic ? "p p p" : "f f p"));
+  GH_TRY(guard_command(ctx, lmp, "units lj"));
+  GH_TRY(guard_command(ctx, lmp, "dimension 2"));
+  GH_TRY(guard_command(ctx, lmp, "atom_style sphere"));
+  GH_TRY(guard_command(ctx, lmp, "atom_modify map array sort 0 0"));
+  GH_TRY(guard_command(ctx, lmp, "newton off"));
+  GH_TRY(guard_command(ctx, lmp, "box tilt large"));
+  GH_TRY(guard_command(ctx, lmp, "boundary %s", e->periodic ? "p p p" : "f f p"));
   double z = 0; /* LAMMPS refuses a box that is thin against the reach of the contacts */
   for (int i = 0; i < e->n; i++) z = fmax(z, e->radius[i]);
-  GH_TRY(gh_lmp_command(ctx, lmp, "region cell %s 0 1 0 1 %.17g %.17g%s", e->periodic ? "prism" : "block", -z,
-                        z, e->periodic ? " 0 0 0" : ""));
-  return gh_lmp_command(ctx, lmp, "create_box %d cell", types);
+  GH_TRY(guard_command(ctx, lmp, "region cell %s 0 1 0 1 %.17g %.17g%s", e->periodic ? "prism" : "block", -z,
+                       z, e->periodic ? " 0 0 0" : ""));
+  return guard_command(ctx, lmp, "create_box %d cell", types);
 }
 
 static gh_status make_atoms(bridge *e) {
@@ -300,7 +300,7 @@ static gh_status make_atoms(bridge *e) {
     id[i] = i + 1;
     x[3 * i] = x[3 * i + 1] = 0.5;
   }
-  status = gh_lmp_create_atoms(e->ctx, e->lmp, e->n, id, e->type, x);
+  status = guard_create_atoms(e->ctx, e->lmp, e->n, id, e->type, x);
 done:
   free(id);
   free(x);
@@ -311,9 +311,9 @@ done:
 static gh_status set_grains(bridge *e, int free_bit) {
   double *radius;
   int *tag, *mask;
-  GH_TRY(gh_lmp_atom(e->ctx, e->lmp, "radius", &radius));
-  GH_TRY(gh_lmp_atom(e->ctx, e->lmp, "id", &tag));
-  GH_TRY(gh_lmp_atom(e->ctx, e->lmp, "mask", &mask));
+  GH_TRY(guard_atom(e->ctx, e->lmp, "radius", &radius));
+  GH_TRY(guard_atom(e->ctx, e->lmp, "id", &tag));
+  GH_TRY(guard_atom(e->ctx, e->lmp, "mask", &mask));
   for (int k = 0; k < e->n; k++) {
     int i = tag[k] - 1;
     radius[k] = e->radius[i];
@@ -325,14 +325,14 @@ static gh_status set_grains(bridge *e, int free_bit) {
 static gh_status set_law(bridge *e) {
   const gh_contact_law *law = &e->law;
   if (!law->friction) {
-    GH_TRY(gh_lmp_command(e->ctx, e->lmp, "pair_style granhom/normal"));
-    return gh_lmp_command(e->ctx, e->lmp, "pair_coeff * * %.17g", law->normal_stiffness);
+    GH_TRY(guard_command(e->ctx, e->lmp, "pair_style granhom/normal"));
+    return guard_command(e->ctx, e->lmp, "pair_coeff * * %.17g", law->normal_stiffness);
   }
-  GH_TRY(gh_lmp_command(e->ctx, e->lmp, "pair_style granhom/coulomb increment manual slip %s rotations %s",
-                        law->slip == GH_SLIP_OBJECTIVE ? "objective" : "projected",
-                        law->fixed_rotations ? "fixed" : "free"));
-  return gh_lmp_command(e->ctx, e->lmp, "pair_coeff * * %.17g %.17g %.17g %.17g", law->normal_stiffness,
-                        law->tangential_stiffness, law->friction_coefficient, law->hardening);
+  GH_TRY(guard_command(e->ctx, e->lmp, "pair_style granhom/coulomb increment manual slip %s rotations %s",
+                       law->slip == GH_SLIP_OBJECTIVE ? "objective" : "projected",
+                       law->fixed_rotations ? "fixed" : "free"));
+  return guard_command(e->ctx, e->lmp, "pair_coeff * * %.17g %.17g %.17g %.17g", law->normal_stiffness,
+                       law->tangential_stiffness, law->friction_coefficient, law->hardening);
 }
 
 static gh_status set_styles(bridge *e) {
@@ -341,19 +341,19 @@ static gh_status set_styles(bridge *e) {
   double mean = 0;
   for (int i = 0; i < e->n; i++) mean += e->radius[i] / e->n;
   int free_bit;
-  GH_TRY(gh_lmp_command(ctx, lmp, "neighbor %.17g bin", SKIN * mean));
+  GH_TRY(guard_command(ctx, lmp, "neighbor %.17g bin", SKIN * mean));
   /* one: the largest grain of a wide size distribution has thousands of candidates around it */
-  GH_TRY(gh_lmp_command(ctx, lmp, "neigh_modify every 1 delay 0 check yes one 10000"));
+  GH_TRY(guard_command(ctx, lmp, "neigh_modify every 1 delay 0 check yes one 10000"));
   GH_TRY(set_law(e));
-  GH_TRY(gh_lmp_command(ctx, lmp, "group free empty"));
-  GH_TRY(gh_lmp_command(ctx, lmp, "fix " FIX " free granhom/relax inner yes"));
-  GH_TRY(gh_lmp_command(ctx, lmp, "compute " COMPUTE " all granhom/contact/local"));
+  GH_TRY(guard_command(ctx, lmp, "group free empty"));
+  GH_TRY(guard_command(ctx, lmp, "fix " FIX " free granhom/relax inner yes"));
+  GH_TRY(guard_command(ctx, lmp, "compute " COMPUTE " all granhom/contact/local"));
   /* Thermo output that needs no energy: LAMMPS would ask for it at steps that were not tallied. */
-  GH_TRY(gh_lmp_command(ctx, lmp, "thermo_style custom step"));
-  GH_TRY(gh_lmp_command(ctx, lmp, "thermo 0"));
-  GH_TRY(gh_lmp_command(ctx, lmp, "uncompute thermo_press")); /* else each run tallies energy and virial */
-  GH_TRY(gh_lmp_command(ctx, lmp, "uncompute thermo_pe"));
-  GH_TRY(gh_lmp_drive(ctx, lmp, FIX, e->periodic, &free_bit));
+  GH_TRY(guard_command(ctx, lmp, "thermo_style custom step"));
+  GH_TRY(guard_command(ctx, lmp, "thermo 0"));
+  GH_TRY(guard_command(ctx, lmp, "uncompute thermo_press")); /* else each run tallies energy and virial */
+  GH_TRY(guard_command(ctx, lmp, "uncompute thermo_pe"));
+  GH_TRY(guard_drive(ctx, lmp, FIX, e->periodic, &free_bit));
   return set_grains(e, free_bit);
 }
 
@@ -379,7 +379,7 @@ static gh_status bridge_create(gh_context *ctx, const gh_engine_setup *setup, vo
   *e = (bridge){.ctx = ctx, .n = setup->n, .periodic = setup->periodic, .law = setup->law, .q = {1, 0, 0, 1}};
   GH_TRY_OR(allocate(ctx, e), failed);
   GH_TRY_OR(take_setup(e, setup, &types), failed);
-  GH_TRY_OR(gh_lmp_open(ctx, &e->lmp), failed);
+  GH_TRY_OR(guard_open(ctx, &e->lmp), failed);
   GH_TRY_OR(make_box(e, types), failed);
   GH_TRY_OR(make_atoms(e), failed);
   GH_TRY_OR(set_styles(e), failed);
@@ -454,10 +454,10 @@ static gh_status bridge_move(void *self, const double *x, const double *theta) {
 }
 
 static gh_status relax(bridge *e, const gh_relax_options *o, gh_relax_result *r) {
-  gh_lmp_relaxed end;
+  guard_relaxed end;
   GH_TRY(check_valid(e));
   e->valid = e->started = false;
-  GH_TRY(gh_lmp_relax(e->ctx, e->lmp, FIX, o, &end));
+  GH_TRY(guard_relax(e->ctx, e->lmp, FIX, o, &end));
   e->valid = e->started = e->relaxed = true;
   *r = (gh_relax_result){end.residual, end.mean_force, end.steps, end.converged, end.least_damping};
   e->cost.steps += r->steps;
@@ -576,7 +576,7 @@ static gh_status sort_contacts(bridge *e, double **rows, int count) {
 
 static gh_status collect(bridge *e, int *count) {
   double **rows;
-  GH_TRY(gh_lmp_local(e->ctx, e->lmp, COMPUTE, count, &rows));
+  GH_TRY(guard_local(e->ctx, e->lmp, COMPUTE, count, &rows));
   size_t m = (size_t)*count;
   GH_TRY(gh_grow(e->ctx, m, sizeof *e->order, &e->order_capacity, &e->order));
   GH_TRY(gh_grow(e->ctx, m, sizeof *e->contacts, &e->contact_capacity, &e->contacts));
@@ -592,7 +592,7 @@ static gh_status collect(bridge *e, int *count) {
   for (int k = 0; k < e->n; k++) gh_apply2(e->q, a.f[k], &e->force[2 * (a.tag[k] - 1)]);
   if (!e->law.friction) return GH_OK;
   double **torque;
-  GH_TRY(gh_lmp_atom(e->ctx, e->lmp, "torque", &torque));
+  GH_TRY(guard_atom(e->ctx, e->lmp, "torque", &torque));
   for (int k = 0; k < e->n; k++) e->moment[a.tag[k] - 1] = torque[k][2];
   return GH_OK;
 }
@@ -603,7 +603,7 @@ static gh_status bridge_contacts(void *self, gh_contact_list *list) {
   GH_TRY(check_valid(e));
   int count;
   long pairs;
-  GH_TRY(gh_lmp_pairs(e->ctx, e->lmp, FIX, &pairs));
+  GH_TRY(guard_pairs(e->ctx, e->lmp, FIX, &pairs));
   GH_TRY(collect(e, &count));
   *list = (gh_contact_list){.count = count,
                             .contacts = e->contacts,
@@ -621,13 +621,13 @@ static gh_status bridge_get(void *self, double *x, double *theta) {
   GH_TRY(check_valid(e));
   GH_TRY(read_positions(e));
   memcpy(x, e->x, 2 * (size_t)e->n * sizeof(double));
-  return e->law.friction ? gh_lmp_get_rotations(e->ctx, e->lmp, theta) : GH_OK;
+  return e->law.friction ? guard_get_rotations(e->ctx, e->lmp, theta) : GH_OK;
 }
 
 static void bridge_costs(const void *self, gh_engine_cost *cost) {
   const bridge *e = self;
   *cost = e->cost;
-  gh_lmp_builds(e->ctx, e->lmp, FIX, &cost->rebuilds);
+  guard_builds(e->ctx, e->lmp, FIX, &cost->rebuilds);
 }
 
 const gh_engine_ops gh_lammps_ops = {.name = "lammps",

@@ -655,7 +655,7 @@ void FixRelax::advance() {
   modify->final_integrate();
 }
 
-void FixRelax::tell(gh_lmp_relaxed *r) const {
+void FixRelax::tell(guard_relaxed *r) const {
   r->residual = residual;
   r->mean_force = mean_force;
   r->steps = steps;

@@ -54,7 +54,7 @@ public:
    * each once. */
   long pairs_on_list();
   /* Of the last relaxation. */
-  void tell(gh_lmp_relaxed *r) const;
+  void tell(guard_relaxed *r) const;
 
 private:
   enum state { RUNNING, CONVERGED, UNJAMMED, SPENT };

@@ -132,7 +132,7 @@ static gh_status check_instance(gh_context *ctx, void *lmp) {
   return GH_OK;
 }
 
-gh_status gh_lmp_open(gh_context *ctx, void **lmp) {
+gh_status guard_open(gh_context *ctx, void **lmp) {
   *lmp = nullptr;
   GH_TRY(start_mpi(ctx));
   return guarded(ctx, nullptr, "open", [&] {
@@ -142,12 +142,12 @@ gh_status gh_lmp_open(gh_context *ctx, void **lmp) {
     if (!*lmp) return cannot_open(ctx);
     granhom::refuse_programs(static_cast<LAMMPS *>(*lmp));
     gh_status status = check_instance(ctx, *lmp);
-    if (status != GH_OK) gh_lmp_close(lmp);
+    if (status != GH_OK) guard_close(lmp);
     return status;
   });
 }
 
-int gh_lmp_version(gh_context *ctx, void *lmp) {
+int guard_version(gh_context *ctx, void *lmp) {
   int version = 0;
   guarded(ctx, lmp, "version", [&] {
     version = lammps_version(lmp);
@@ -156,7 +156,7 @@ int gh_lmp_version(gh_context *ctx, void *lmp) {
   return version;
 }
 
-void gh_lmp_close(void **lmp) {
+void guard_close(void **lmp) {
   if (!lmp || !*lmp || memory_failed) return;
   guarded(nullptr, nullptr, "close", [&] {
     lammps_close(*lmp);
@@ -165,7 +165,7 @@ void gh_lmp_close(void **lmp) {
   *lmp = nullptr;
 }
 
-gh_status gh_lmp_command(gh_context *ctx, void *lmp, const char *format, ...) {
+gh_status guard_command(gh_context *ctx, void *lmp, const char *format, ...) {
   char text[512];
   va_list args;
   va_start(args, format);
@@ -179,8 +179,8 @@ gh_status gh_lmp_command(gh_context *ctx, void *lmp, const char *format, ...) {
   });
 }
 
-gh_status gh_lmp_create_atoms(gh_context *ctx, void *lmp, int n, const int *id, const int *type,
-                              const double *x) {
+gh_status guard_create_atoms(gh_context *ctx, void *lmp, int n, const int *id, const int *type,
+                             const double *x) {
   return guarded(ctx, lmp, "create atoms", [&] {
     int made = lammps_create_atoms(lmp, n, id, type, x, nullptr, nullptr, 0);
     if (made != n) return gh_fail(ctx, GH_ENGINE, "LAMMPS made %d of %d atoms", made, n);
@@ -188,14 +188,14 @@ gh_status gh_lmp_create_atoms(gh_context *ctx, void *lmp, int n, const int *id, 
   });
 }
 
-gh_status gh_lmp_setting(gh_context *ctx, void *lmp, const char *name, int *value) {
+gh_status guard_setting(gh_context *ctx, void *lmp, const char *name, int *value) {
   return guarded(ctx, lmp, name, [&] {
     *value = lammps_extract_setting(lmp, name);
     return *value >= 0 ? GH_OK : gh_fail(ctx, GH_ENGINE, "LAMMPS has no setting %s", name);
   });
 }
 
-gh_status gh_lmp_atom(gh_context *ctx, void *lmp, const char *name, void *p) {
+gh_status guard_atom(gh_context *ctx, void *lmp, const char *name, void *p) {
   return guarded(ctx, lmp, name, [&] {
     void *array = lammps_extract_atom(lmp, name);
     *static_cast<void **>(p) = array;
@@ -203,7 +203,7 @@ gh_status gh_lmp_atom(gh_context *ctx, void *lmp, const char *name, void *p) {
   });
 }
 
-gh_status gh_lmp_local(gh_context *ctx, void *lmp, const char *id, int *count, double ***rows) {
+gh_status guard_local(gh_context *ctx, void *lmp, const char *id, int *count, double ***rows) {
   return guarded(ctx, lmp, id, [&] {
     *rows = nullptr;
     auto *size = static_cast<int *>(lammps_extract_compute(lmp, id, LMP_STYLE_LOCAL, LMP_SIZE_ROWS));
@@ -215,7 +215,7 @@ gh_status gh_lmp_local(gh_context *ctx, void *lmp, const char *id, int *count, d
   });
 }
 
-gh_status gh_lmp_fix_vector(gh_context *ctx, void *lmp, const char *id, int component, double *value) {
+gh_status guard_fix_vector(gh_context *ctx, void *lmp, const char *id, int component, double *value) {
   return guarded(ctx, lmp, id, [&] {
     auto *v =
         static_cast<double *>(lammps_extract_fix(lmp, id, LMP_STYLE_GLOBAL, LMP_TYPE_VECTOR, component, 0));
@@ -248,7 +248,7 @@ template <typename Call> static gh_status with_history(gh_context *ctx, void *lm
   return with_style<FixHistory>(ctx, lmp, FixHistory::ID, "granhom/history", call);
 }
 
-gh_status gh_lmp_drive(gh_context *ctx, void *lmp, const char *id, bool periodic, int *group_bit) {
+gh_status guard_drive(gh_context *ctx, void *lmp, const char *id, bool periodic, int *group_bit) {
   return with_fix(ctx, lmp, id, [&](granhom::FixRelax *fix) {
     fix->drive(periodic);
     *group_bit = fix->group_bit();
@@ -256,29 +256,29 @@ gh_status gh_lmp_drive(gh_context *ctx, void *lmp, const char *id, bool periodic
   });
 }
 
-gh_status gh_lmp_set_cell(gh_context *ctx, void *lmp, const char *id, const double t[4]) {
+gh_status guard_set_cell(gh_context *ctx, void *lmp, const char *id, const double t[4]) {
   return with_fix(ctx, lmp, id, [&](granhom::FixRelax *fix) {
     fix->set_cell(t[0], t[3], t[1]);
     return GH_OK;
   });
 }
 
-gh_status gh_lmp_rebuild(gh_context *ctx, void *lmp, const char *id) {
+gh_status guard_rebuild(gh_context *ctx, void *lmp, const char *id) {
   return with_fix(ctx, lmp, id, [&](granhom::FixRelax *fix) {
     fix->rebuild_next();
     return GH_OK;
   });
 }
 
-gh_status gh_lmp_advance(gh_context *ctx, void *lmp, const char *id) {
+gh_status guard_advance(gh_context *ctx, void *lmp, const char *id) {
   return with_fix(ctx, lmp, id, [&](granhom::FixRelax *fix) {
     fix->advance();
     return GH_OK;
   });
 }
 
-gh_status gh_lmp_relax(gh_context *ctx, void *lmp, const char *id, const gh_relax_options *o,
-                       gh_lmp_relaxed *r) {
+gh_status guard_relax(gh_context *ctx, void *lmp, const char *id, const gh_relax_options *o,
+                      guard_relaxed *r) {
   return with_fix(ctx, lmp, id, [&](granhom::FixRelax *fix) {
     fix->relax_next(*o);
     while (!fix->finished()) fix->advance();
@@ -288,36 +288,36 @@ gh_status gh_lmp_relax(gh_context *ctx, void *lmp, const char *id, const gh_rela
   });
 }
 
-gh_status gh_lmp_builds(gh_context *ctx, void *lmp, const char *id, long *builds) {
+gh_status guard_builds(gh_context *ctx, void *lmp, const char *id, long *builds) {
   return with_fix(ctx, lmp, id, [&](granhom::FixRelax *fix) {
     *builds = fix->builds();
     return GH_OK;
   });
 }
 
-gh_status gh_lmp_pairs(gh_context *ctx, void *lmp, const char *id, long *pairs) {
+gh_status guard_pairs(gh_context *ctx, void *lmp, const char *id, long *pairs) {
   return with_fix(ctx, lmp, id, [&](granhom::FixRelax *fix) {
     *pairs = fix->pairs_on_list();
     return GH_OK;
   });
 }
 
-gh_status gh_lmp_history(gh_context *ctx, void *lmp, const double H[4], const double *x,
-                         const double *theta_n, const gh_slip *slips, int nslips) {
+gh_status guard_history(gh_context *ctx, void *lmp, const double H[4], const double *x, const double *theta_n,
+                        const gh_slip *slips, int nslips) {
   return with_history(ctx, lmp, [&](FixHistory *fix) {
     fix->set_converged(H, x, theta_n, slips, nslips);
     return GH_OK;
   });
 }
 
-gh_status gh_lmp_set_rotations(gh_context *ctx, void *lmp, const double *theta) {
+gh_status guard_set_rotations(gh_context *ctx, void *lmp, const double *theta) {
   return with_history(ctx, lmp, [&](FixHistory *fix) {
     fix->set_rotations(theta);
     return GH_OK;
   });
 }
 
-gh_status gh_lmp_get_rotations(gh_context *ctx, void *lmp, double *theta) {
+gh_status guard_get_rotations(gh_context *ctx, void *lmp, double *theta) {
   return with_history(ctx, lmp, [&](FixHistory *fix) {
     fix->get_rotations(theta);
     return GH_OK;
@@ -326,8 +326,8 @@ gh_status gh_lmp_get_rotations(gh_context *ctx, void *lmp, double *theta) {
 
 /* ---- a LAMMPS program of its own ---- */
 
-gh_status gh_lmp_program(gh_context *ctx, int argc, char **argv, bool programs, int *exit_status,
-                         bool *alone) {
+gh_status guard_program(gh_context *ctx, int argc, char **argv, bool programs, int *exit_status,
+                        bool *alone) {
   void *lmp = nullptr;
   *exit_status = 0;
   *alone = false;
@@ -353,7 +353,7 @@ gh_status gh_lmp_program(gh_context *ctx, int argc, char **argv, bool programs, 
     }
   });
   if (*alone) return status; /* closing waits for all ranks */
-  gh_lmp_close(&lmp);
+  guard_close(&lmp);
   lammps_python_finalize();
   return status;
 }

@@ -1,5 +1,8 @@
-/* What granhom/lammps.h has, and granhom's own styles as the engine drives them.
- * SPDX-License-Identifier: GPL-2.0-or-later */
+/* LAMMPS's library interface with its errors caught, within the module. SPDX-License-Identifier:
+ * GPL-2.0-or-later
+ *
+ * Every function returns GH_ENGINE with LAMMPS's own message where LAMMPS would have ended the process. What
+ * others than the engine need has the name gh_lmp_* outside, and is described in granhom/lammps.h. */
 #ifndef GRANHOM_LAMMPS_GUARD_H
 #define GRANHOM_LAMMPS_GUARD_H
 
@@ -10,42 +13,56 @@
 extern "C" {
 #endif
 
+/* ---- gh_lmp_* of granhom/lammps.h ---- */
+
+gh_status guard_open(gh_context *ctx, void **lmp);
+int guard_version(gh_context *ctx, void *lmp);
+void guard_close(void **lmp);
+gh_status guard_command(gh_context *ctx, void *lmp, const char *format, ...) GH_PRINTF(3, 4);
+gh_status guard_create_atoms(gh_context *ctx, void *lmp, int n, const int *id, const int *type,
+                             const double *x);
+gh_status guard_setting(gh_context *ctx, void *lmp, const char *name, int *value);
+gh_status guard_atom(gh_context *ctx, void *lmp, const char *name, void *p);
+gh_status guard_local(gh_context *ctx, void *lmp, const char *id, int *count, double ***rows);
+gh_status guard_fix_vector(gh_context *ctx, void *lmp, const char *id, int component, double *value);
+gh_status guard_program(gh_context *ctx, int argc, char **argv, bool programs, int *exit_status, bool *alone);
+
 /* ---- driving a fix granhom/relax with `inner yes` ---- */
 
-/* Takes it over, before the first run: from now on nothing moves in a step unless gh_lmp_relax says so, and
+/* Takes it over, before the first run: from now on nothing moves in a step unless guard_relax says so, and
  * the cell may change between steps. A cluster's box (periodic false) follows its grains. Gives the bit of
  * the fix's group in "mask". */
-gh_status gh_lmp_drive(gh_context *ctx, void *lmp, const char *id, bool periodic, int *group_bit);
+gh_status guard_drive(gh_context *ctx, void *lmp, const char *id, bool periodic, int *group_bit);
 /* The box becomes [0, t0] x [0, t3] with tilt t1 (t2 is 0); the neighbour list is made anew in the next
  * step. */
-gh_status gh_lmp_set_cell(gh_context *ctx, void *lmp, const char *id, const double t[4]);
+gh_status guard_set_cell(gh_context *ctx, void *lmp, const char *id, const double t[4]);
 /* The neighbour list is made anew in the next step. */
-gh_status gh_lmp_rebuild(gh_context *ctx, void *lmp, const char *id);
+gh_status guard_rebuild(gh_context *ctx, void *lmp, const char *id);
 /* One time step, after the first run: forces and, where they are due, lists. Like a `run 1 pre no post no`,
  * without text and without memory. */
-gh_status gh_lmp_advance(gh_context *ctx, void *lmp, const char *id);
-typedef struct gh_lmp_relaxed {
+gh_status guard_advance(gh_context *ctx, void *lmp, const char *id);
+typedef struct guard_relaxed {
   double residual, mean_force;
   long steps, pairs; /* pairs: evaluated, summed over the steps */
   bool converged;    /* or unjammed */
   double least_damping;
-} gh_lmp_relaxed;
+} guard_relaxed;
 /* Relaxes until the residual is met, or the steps or all contacts are gone (gh_relax_options). */
-gh_status gh_lmp_relax(gh_context *ctx, void *lmp, const char *id, const gh_relax_options *options,
-                       gh_lmp_relaxed *result);
+gh_status guard_relax(gh_context *ctx, void *lmp, const char *id, const gh_relax_options *options,
+                      guard_relaxed *result);
 /* ---- driving pair style granhom/coulomb, from the first run on; arrays by id - 1 ---- */
 
 /* State n: lattice H (columns), unwrapped positions (n x 2), rotations, and the history of the contacts with
  * images between those positions. */
-gh_status gh_lmp_history(gh_context *ctx, void *lmp, const double H[4], const double *x,
-                         const double *theta_n, const gh_slip *slips, int nslips);
-gh_status gh_lmp_set_rotations(gh_context *ctx, void *lmp, const double *theta);
-gh_status gh_lmp_get_rotations(gh_context *ctx, void *lmp, double *theta);
+gh_status guard_history(gh_context *ctx, void *lmp, const double H[4], const double *x, const double *theta_n,
+                        const gh_slip *slips, int nslips);
+gh_status guard_set_rotations(gh_context *ctx, void *lmp, const double *theta);
+gh_status guard_get_rotations(gh_context *ctx, void *lmp, double *theta);
 
 /* Number of neighbour lists made so far. */
-gh_status gh_lmp_builds(gh_context *ctx, void *lmp, const char *id, long *builds);
+gh_status guard_builds(gh_context *ctx, void *lmp, const char *id, long *builds);
 /* Pairs on the neighbour list within reach and skin, each once. After the first run. */
-gh_status gh_lmp_pairs(gh_context *ctx, void *lmp, const char *id, long *pairs);
+gh_status guard_pairs(gh_context *ctx, void *lmp, const char *id, long *pairs);
 
 #ifdef __cplusplus
 }

@@ -23,6 +23,6 @@ __attribute__((visibility("default"))) void LAMMPS::post_create() {
 }
 
 const char *granhom::advice_on_linking() {
-  return "liblammps.so comes before granhom in the search order of symbols. Link -lgranhom before -llammps; "
-         "with libgranhom.a, link with -rdynamic";
+  return "liblammps.so came before granhom-lammps.so in the search order of symbols, because the program has "
+         "loaded it itself. Link granhom-lammps.so before -llammps, or have LD_PRELOAD name it";
 }
