@@ -50,7 +50,7 @@ class Path:
             self.status = int(f.read())
         with open(stem + ".log", errors="replace") as f:
             self.log = f.read()
-        self.cut = len(re.findall(r"no equilibrium at once", self.log))
+        self.cut = len(re.findall(r"reached in \d+", self.log))
         self.rows = len(rows)
 
     def stress(self, name):

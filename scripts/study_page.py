@@ -74,12 +74,12 @@ def compact(lines):
     text = "\n".join(lines)
     error = next(name for name in found[0][0] if name.startswith("error of"))
     ensemble = "+- 95 %" in found[0][0]
-    reference = re.search(r"compared with the same with (.*)\.$", text, re.M)
+    reference = re.search(r"compared with the same with (.*?)\.( This is the short version.*)?$", text, re.M)
     took = re.search(r"The references? took ([\d.e+-]+(?: to [\d.e+-]+)? s) of one core", text)
     caption = error.capitalize() + (", ensemble" if ensemble else "")
     if reference:
         values = ", ".join(f"{k} {short(v)}" for k, v in (p.split(" ", 1) for p in re.split(r", (?=[a-z_.]+ )", reference[1])))
-        caption += f"; reference: {values}" + (f" ({took[1]})" if took else "")
+        caption += f"; reference: {values}" + (f" ({took[1]})" if took else "") + ("; short version" if reference[2] else "")
     parts = [caption + ".", "\n".join(pivot(*found[0]))]
     return "\n\n".join(parts + [orders(*t) for t in found[1:] if len(t[0]) > 1 and t[0][1].startswith("order in")])
 
