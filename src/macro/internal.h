@@ -84,6 +84,27 @@ void gh_footings_tangent(gh_macro *m, const gh_loads *to, double t, const double
 gh_status gh_supports_check(gh_context *ctx, const gh_mesh *mesh, const unsigned char *fixed, int nfootings,
                             const gh_footing *footing);
 
+/* ---- factor.c: factors of a sparse matrix ---- */
+
+/* Compressed columns, rows ascending. Of symmetric ones the upper triangle is used alone. */
+typedef struct gh_factor_matrix {
+  int n, *p, *i;
+  double *x;
+} gh_factor_matrix;
+typedef enum gh_factor_method { GH_FACTOR_CHOLMOD, GH_FACTOR_UMFPACK } gh_factor_method;
+typedef struct gh_factor gh_factor;
+gh_status gh_factor_create(gh_context *ctx, gh_factor **factor);
+void gh_factor_destroy(gh_factor **factor);
+/* Drops analyses and factors: the pattern changes, or the next analysis must not depend on older values. */
+void gh_factor_forget(gh_factor *factor);
+/* Analyses where that has not been done, and factorises. GH_DIVERGED: not positive definite (CHOLMOD, without
+ * a message), singular (UMFPACK). */
+gh_status gh_factor_update(gh_factor *factor, gh_factor_method method, const gh_factor_matrix *K);
+/* With the factor of the last update; UMFPACK refines with K. b, x: n. */
+gh_status gh_factor_solve(gh_factor *factor, const gh_factor_matrix *K, double *b, double *x);
+/* What factorised last: 'c' CHOLMOD, 'u' UMFPACK, 0 nothing yet. */
+char gh_factor_letter(const gh_factor *factor);
+
 /* ---- solve.c: the sparse system ---- */
 
 typedef struct gh_system gh_system;

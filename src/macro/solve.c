@@ -2,16 +2,12 @@
  * UMFPACK otherwise. SPDX-License-Identifier: GPL-2.0-or-later */
 #include "macro/internal.h"
 
-#include <cholmod.h>
 #include <stdlib.h>
 #include <string.h>
-#include <umfpack.h>
 
 /* A matrix counts as symmetric up to this, relative to its largest entry: relaxed packings give tangents that
  * are symmetric to their residual, and what is dropped only slows Newton's iteration by that factor. */
 static const double asymmetry = 1e-9;
-/* Estimated reciprocal condition numbers below this are singular to round-off. */
-static const double singular = 1e-15;
 
 /* A share of an entry of the whole matrix in the reduced one: at (row, col), times the turn of the nodes at
  * turn_row and turn_col (degrees of freedom; -1: times 1). */
@@ -37,10 +33,7 @@ struct gh_system {
   int nshares;
   int *dof; /* of a free column: entry of b and x */
   double *free_value, *b, *x;
-  cholmod_common common;
-  cholmod_factor *factor;
-  void *symbolic, *numeric; /* of UMFPACK */
-  char method;
+  gh_factor *factor;
 };
 
 static int int_compare(const void *p, const void *q) {
@@ -111,10 +104,8 @@ gh_status gh_system_create(gh_context *ctx, const gh_mesh *mesh, gh_system **sys
   gh_system *s = *system;
   s->ctx = ctx;
   s->ndof = 2 * mesh->nnodes;
-  cholmod_start(&s->common);
-  s->common.print = 0;
-  s->common.final_ll = 1; /* an LDL' of an indefinite matrix would pass unnoticed */
   gh_status status;
+  GH_TRY_OR(gh_factor_create(ctx, &s->factor), failed);
   GH_TRY_OR(matrix_make_pattern(s, mesh), failed);
   size_t n = (size_t)s->ndof;
   GH_TRY_OR(gh_alloc(ctx, n, sizeof *s->fixed, &s->fixed), failed);
@@ -131,17 +122,10 @@ failed:
   return status;
 }
 
-static void system_forget_factors(gh_system *s) {
-  if (s->numeric) umfpack_di_free_numeric(&s->numeric);
-  if (s->factor) cholmod_free_factor(&s->factor, &s->common);
-  if (s->symbolic) umfpack_di_free_symbolic(&s->symbolic);
-}
-
 void gh_system_destroy(gh_system **system) {
   if (!system || !*system) return;
   gh_system *s = *system;
-  system_forget_factors(s);
-  cholmod_finish(&s->common);
+  gh_factor_destroy(&s->factor);
   free(s->start);
   free(s->row);
   free(s->mirror);
@@ -250,7 +234,7 @@ static gh_status free_part_make(gh_system *s, const int *place) {
 gh_status gh_system_constrain(gh_system *s, const unsigned char *fixed, int n, const int *owner) {
   size_t nnodes = (size_t)s->ndof / 2;
   bool same = s->constrained && n == s->nbodies && memcmp(s->fixed, fixed, (size_t)s->ndof) == 0;
-  system_forget_factors(s);
+  gh_factor_forget(s->factor);
   if (same && (n == 0 || memcmp(s->owner, owner, nnodes * sizeof *owner) == 0)) return GH_OK;
   int *place = NULL;
   GH_TRY(gh_alloc(s->ctx, (size_t)s->ndof, sizeof *place, &place));
@@ -299,7 +283,14 @@ double gh_system_diagonal(const gh_system *s) {
 }
 
 char gh_system_method(const gh_system *s) {
-  return s->method;
+  return gh_factor_letter(s->factor);
+}
+
+/* Factorises the free part and solves. */
+static gh_status system_solve_by(gh_system *s, gh_factor_method method) {
+  const gh_factor_matrix K = {s->nfree, s->free_start, s->free_row, s->free_value};
+  GH_TRY(gh_factor_update(s->factor, method, &K));
+  return gh_factor_solve(s->factor, &K, s->b, s->x);
 }
 
 static bool matrix_is_symmetric(const gh_system *s) {
@@ -311,71 +302,6 @@ static bool matrix_is_symmetric(const gh_system *s) {
     difference = gh_max(difference, fabs(s->value[source] - s->value[s->mirror[source]]));
   }
   return difference <= asymmetry * largest;
-}
-
-static gh_status system_substitute_cholmod(gh_system *s) {
-  size_t n = (size_t)s->nfree;
-  cholmod_dense b = {
-      .nrow = n, .ncol = 1, .nzmax = n, .d = n, .x = s->b, .xtype = CHOLMOD_REAL, .dtype = CHOLMOD_DOUBLE};
-  cholmod_dense *x = cholmod_solve(CHOLMOD_A, s->factor, &b, &s->common);
-  if (!x) return gh_fail(s->ctx, GH_MEMORY, "no memory to solve %zu equations", n);
-  memcpy(s->x, x->x, n * sizeof *s->x);
-  cholmod_free_dense(&x, &s->common);
-  return GH_OK;
-}
-
-/* GH_DIVERGED without a message: not positive definite. */
-static gh_status system_solve_cholmod(gh_system *s) {
-  size_t n = (size_t)s->nfree;
-  cholmod_common *common = &s->common;
-  cholmod_sparse K = {.nrow = n,
-                      .ncol = n,
-                      .nzmax = (size_t)s->free_start[n],
-                      .p = s->free_start,
-                      .i = s->free_row,
-                      .x = s->free_value,
-                      .stype = 1,
-                      .itype = CHOLMOD_INT,
-                      .xtype = CHOLMOD_REAL,
-                      .dtype = CHOLMOD_DOUBLE,
-                      .sorted = 1,
-                      .packed = 1};
-  if (!s->factor) s->factor = cholmod_analyze(&K, common);
-  if (!s->factor) return gh_fail(s->ctx, GH_MEMORY, "no memory to analyse %zu equations", n);
-  cholmod_factorize(&K, s->factor, common);
-  if (common->status == CHOLMOD_OUT_OF_MEMORY)
-    return gh_fail(s->ctx, GH_MEMORY, "no memory to factorise %zu equations", n);
-  if (common->status != CHOLMOD_OK || s->factor->minor < n || !(cholmod_rcond(s->factor, common) > singular))
-    return GH_DIVERGED;
-  return system_substitute_cholmod(s);
-}
-
-static gh_status umfpack_failure(gh_system *s, int code) {
-  if (code == UMFPACK_ERROR_out_of_memory)
-    return gh_fail(s->ctx, GH_MEMORY, "no memory for %d equations", s->nfree);
-  if (code == UMFPACK_WARNING_singular_matrix)
-    return gh_fail(s->ctx, GH_DIVERGED, "the stiffness matrix is singular");
-  return gh_fail(s->ctx, GH_INTERNAL, "UMFPACK reports error %d", code);
-}
-
-static gh_status system_substitute_umfpack(gh_system *s) {
-  double info[UMFPACK_INFO];
-  int code = umfpack_di_solve(UMFPACK_A, s->free_start, s->free_row, s->free_value, s->x, s->b, s->numeric,
-                              NULL, info);
-  return code == UMFPACK_OK ? GH_OK : umfpack_failure(s, code);
-}
-
-static gh_status system_solve_umfpack(gh_system *s) {
-  double info[UMFPACK_INFO];
-  const int *p = s->free_start, *i = s->free_row;
-  int code = s->symbolic
-                 ? UMFPACK_OK
-                 : umfpack_di_symbolic(s->nfree, s->nfree, p, i, s->free_value, &s->symbolic, NULL, info);
-  if (s->numeric) umfpack_di_free_numeric(&s->numeric);
-  if (code == UMFPACK_OK)
-    code = umfpack_di_numeric(p, i, s->free_value, s->symbolic, &s->numeric, NULL, info);
-  if (code == UMFPACK_OK && !(info[UMFPACK_RCOND] > singular)) code = UMFPACK_WARNING_singular_matrix;
-  return code == UMFPACK_OK ? system_substitute_umfpack(s) : umfpack_failure(s, code);
 }
 
 static double matrix_entry(const gh_system *s, int k, bool symmetric) {
@@ -423,11 +349,10 @@ gh_status gh_system_descend(gh_system *s, const double *b, double *x) {
   if (s->nfree == 0) return GH_OK;
   double added = 0, shift = 0, first = 1e-3 * gh_system_diagonal(s) / sqrt((double)s->ndof);
   free_part_assemble(s, b, true);
-  s->method = 'c';
   for (int k = 0; k < SHIFTS; k++) {
     free_part_shift(s, shift - added);
     added = shift;
-    gh_status status = system_solve_cholmod(s);
+    gh_status status = system_solve_by(s, GH_FACTOR_CHOLMOD);
     if (status == GH_OK) return solution_scatter(s, x);
     if (status != GH_DIVERGED) return status;
     shift = shift > 0 ? 3 * shift : first;
@@ -439,14 +364,8 @@ gh_status gh_system_solve(gh_system *s, const double *b, double *x) {
   if (s->nfree == 0) return GH_OK;
   free_part_assemble(s, b, false);
   gh_status status = GH_DIVERGED;
-  if (matrix_is_symmetric(s)) {
-    s->method = 'c';
-    status = system_solve_cholmod(s);
-  }
-  if (status == GH_DIVERGED) {
-    s->method = 'u';
-    status = system_solve_umfpack(s);
-  }
+  if (matrix_is_symmetric(s)) status = system_solve_by(s, GH_FACTOR_CHOLMOD);
+  if (status == GH_DIVERGED) status = system_solve_by(s, GH_FACTOR_UMFPACK);
   GH_TRY(status);
   return solution_scatter(s, x);
 }
@@ -454,6 +373,7 @@ gh_status gh_system_solve(gh_system *s, const double *b, double *x) {
 gh_status gh_system_again(gh_system *s, const double *b, double *x) {
   if (s->nfree == 0) return GH_OK;
   for (int c = 0; c < s->nfree; c++) s->b[c] = b[s->dof[c]];
-  GH_TRY(s->method == 'c' ? system_substitute_cholmod(s) : system_substitute_umfpack(s));
+  const gh_factor_matrix K = {s->nfree, s->free_start, s->free_row, s->free_value};
+  GH_TRY(gh_factor_solve(s->factor, &K, s->b, s->x));
   return solution_scatter(s, x);
 }
