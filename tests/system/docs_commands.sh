@@ -56,6 +56,14 @@ if /usr/bin/python3 -c 'import h5py' 2>/dev/null && "$granhom" --version | grep 
   found=$(/usr/bin/python3 "$root/tests/docs_columns.py" fewer.md mysand/out | wc -l)
   if [ "$found" = 2 ]; then ok "a dataset without a word is found"; else not_ok "a dataset without a word is found" "$found"; fi
 fi
+# the script of the page: it converges, and the shear makes a shear stress
+(cd lammps-inputs && blocks lammps "$root/docs/how-to/lammps.md" >in.page && granhom lammps -in in.page -log page.log >said 2>&1)
+shear=$(awk '/^Step/ { getline; getline; last = $3 } END { print last }' lammps-inputs/page.log)
+if awk -v s="$shear" 'BEGIN { exit !(s < -1e-6 || s > 1e-6) }' && ! grep -q WARNING lammps-inputs/said; then
+  ok "docs/how-to/lammps.md: the script converges"
+else
+  not_ok "docs/how-to/lammps.md: the script converges" "shear $shear" "$(tail -n 3 lammps-inputs/said)"
+fi
 # the study of the page, beside those of scenes/studies
 mkdir -p pages/studies
 ln -s "$work/scenes/block" pages/block
