@@ -341,14 +341,34 @@ static gh_status draw_traces(report *r, const report_rve *d) {
 
 /* ---- the section ---- */
 
-static void print_number(report *r, const char *label, const char *name, int point) {
-  double *values;
-  if (report_field(r, r->n - 1, name, (size_t)r->np, 1, &values) == GH_OK)
-    gh_text_print(r->out, "%s %.4g, ", label, values[point]);
+/* Old folders lack some of them. */
+static gh_status print_number(report *r, const char *label, const char *name, int point) {
+  double *values = NULL;
+  char full[64];
+  bool there;
+  snprintf(full, sizeof full, "/step%04d/%s", r->n - 1, name);
+  GH_TRY(gh_h5_there(r->results, full, &there));
+  if (!there) return GH_OK;
+  gh_status status = report_field(r, r->n - 1, name, (size_t)r->np, 1, &values);
+  if (status == GH_OK) gh_text_print(r->out, "%s %.4g, ", label, values[point]);
   free(values);
+  return status;
 }
 
-static void print_head(report *r, int point) {
+static gh_status print_numbers(report *r, int point) {
+  static const char *const number[][2] = {{"contacts", "points/contacts"},
+                                          {"coordination", "points/coordination"},
+                                          {"rattlers", "points/rattlers"},
+                                          {"sliding contacts", "points/sliding"},
+                                          {"volume fraction", "points/volume_fraction"},
+                                          {"anisotropy", "points/anisotropy"},
+                                          {"residual", "points/residual"}};
+  for (size_t k = 0; k < sizeof number / sizeof *number; k++)
+    GH_TRY(print_number(r, number[k][0], number[k][1], point));
+  return GH_OK;
+}
+
+static gh_status print_head(report *r, int point) {
   const double *s = r->cauchy + 4 * point;
   gh_text_print(r->out, "<h3 id=\"point%d\">Point %d", point, point);
   if (point == r->most_shown)
@@ -366,15 +386,10 @@ static void print_head(report *r, int point) {
     report_escape(r->out, r->labels.stress);
   }
   gh_text_print(r->out, "; ");
-  print_number(r, "contacts", "points/contacts", point);
-  print_number(r, "coordination", "points/coordination", point);
-  print_number(r, "rattlers", "points/rattlers", point);
-  print_number(r, "sliding contacts", "points/sliding", point);
-  print_number(r, "volume fraction", "points/volume_fraction", point);
-  print_number(r, "anisotropy", "points/anisotropy", point);
-  print_number(r, "residual", "points/residual", point);
+  GH_TRY(print_numbers(r, point));
   gh_text_print(r->out, "acoustic eigenvalue %.4g.</p>\n",
                 r->acoustic[(size_t)(r->n - 1) * (size_t)r->np + (size_t)point]);
+  return GH_OK;
 }
 
 static gh_status draw_point(report *r, int point) {
@@ -383,8 +398,8 @@ static gh_status draw_point(report *r, int point) {
   if (status == GH_OK && (d.step < 0 || d.step > r->n))
     status = gh_fail(r->ctx, GH_INPUT, "%s/rves.h5 is of increment %d, results.h5 ends with %d", r->folder,
                      d.step, r->n - 1);
+  if (status == GH_OK) status = print_head(r, point);
   if (status == GH_OK) {
-    print_head(r, point);
     gh_text_print(r->out, "<div class=\"grid\">\n");
     draw_network(r, &d);
     status = draw_densities(r, &d);
@@ -413,7 +428,7 @@ gh_status report_packings(report *r) {
     GH_TRY(report_rve_recorded(r->rves, r->points[k], &recorded));
     if (recorded) GH_TRY(draw_point(r, r->points[k]));
     else {
-      print_head(r, r->points[k]);
+      GH_TRY(print_head(r, r->points[k]));
       gh_text_print(r->out,
                     "<p>Its grains are not recorded: <code>results: {rves: [%d]}</code> in the scene does "
                     "it.</p>\n",

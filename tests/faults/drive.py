@@ -182,6 +182,10 @@ def text_pieces(data):
     return re.split(rb"([\s,;:<>\"=()]+)", text)
 
 
+# Of checkpoint.h5: seconds and memory of RVEs among others; run.json has what else is in the summary.
+MEASURED_SETS = (b"farm/measure", b"run/summary")
+
+
 def hdf5_pieces(data):
     """Names, sizes and values of all datasets. By the low-level interface, which is several times faster."""
     found = []
@@ -192,7 +196,7 @@ def hdf5_pieces(data):
 
     def visit(name):
         item = h5py.h5o.open(file, name)
-        if not isinstance(item, h5py.h5d.DatasetID) or b"seconds" in name or name == b"farm/measure":
+        if not isinstance(item, h5py.h5d.DatasetID) or b"seconds" in name or name in MEASURED_SETS:
             return
         value = numpy.empty(item.shape, item.dtype)
         if value.dtype.kind == "O":
