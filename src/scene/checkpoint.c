@@ -3,6 +3,7 @@
  * Besides the checksum of the file there is one over all datasets in /check. */
 #include "scene/checkpoint.h"
 
+#include <errno.h>
 #include <inttypes.h>
 #include <stdlib.h>
 #include <string.h>
@@ -441,8 +442,10 @@ gh_status scene_checkpoint_read(scene_results *r, scene_position *p) {
   struct stat info;
   char *path;
   GH_TRY(scene_result_path(r, FILE_NAME, &path));
-  if (stat(path, &info) == 0) a.bytes = (size_t)info.st_size;
   gh_status status = gh_h5_read(r->ctx, path, KIND, NULL, &a.file);
+  if (status == GH_OK && stat(path, &info) != 0)
+    status = gh_fail(r->ctx, GH_SYSTEM, "%s: %s", path, strerror(errno));
+  else if (status == GH_OK) a.bytes = (size_t)info.st_size;
   if (status == GH_OK) {
     status = get_all(&a, r, &c);
     if (status == GH_OK) status = use(r, p, &c);
