@@ -13,7 +13,8 @@
 #   make bench    times of one RVE update and of the farm
 #   make fuzz     an hour of random inputs for all readers and of mutated scripts, scenes and studies (FUZZ_SECONDS, FUZZ_JOBS,
 #                 FUZZ_SEED, FUZZ_ONLY="gmsh scene"), on a build with sanitizers; findings are kept in build-fuzz/findings
-#   make faults   every allocation and every call on files fails once: run, rve, element, pack, report ... (SAMPLE=N: N points a row)
+#   make faults   every allocation and every call on files fails once, on one and two ranks: run, rve, element, pack, report ...; half
+#                 an hour on two free cores (SAMPLE=N: N points a row, a minute or two)
 #   make extreme  the cases of docs/reports/stability.md, the long ones too, and its table
 #   make study    tables and pictures of docs/reports/error-vs-time.md (hours); make study QUICK=1 (minutes)
 #   make docs     keys, columns and commands in docs/reference, from the program
