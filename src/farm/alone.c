@@ -2,19 +2,19 @@
  * SPDX-License-Identifier: GPL-2.0-or-later */
 #include "farm/ranks.h"
 
-static gh_status nobody(gh_context *ctx) {
+static gh_status rank_absent(gh_context *ctx) {
   return gh_fail(ctx, GH_INPUT,
                  "this granhom was built without MPI (make MPI=0): it works on one rank alone");
 }
 
 gh_status farm_connect(gh_context *ctx, const void *comm, farm_comm *to, int *ranks) {
   (void)comm, (void)to, (void)ranks;
-  return nobody(ctx);
+  return rank_absent(ctx);
 }
 
 gh_status gh_farm_serve(gh_context *ctx, const void *comm, bool (*stop)(void *data), void *data) {
   (void)comm, (void)stop, (void)data;
-  return nobody(ctx);
+  return rank_absent(ctx);
 }
 
 void gh_farm_dismiss(const void *comm) {
@@ -24,7 +24,7 @@ void gh_farm_dismiss(const void *comm) {
 gh_status farm_transfers(gh_context *ctx, farm_store *store, farm_comm comm, int nsend,
                          const farm_transfer *send, int nreceive, const farm_transfer *receive) {
   (void)store, (void)comm, (void)send, (void)receive;
-  return nsend + nreceive == 0 ? GH_OK : nobody(ctx);
+  return nsend + nreceive == 0 ? GH_OK : rank_absent(ctx);
 }
 
 /* What follows is of ranks from 1 on. */
@@ -32,7 +32,7 @@ gh_status farm_transfers(gh_context *ctx, farm_store *store, farm_comm comm, int
 gh_status farm_receive(gh_context *ctx, farm_comm comm, int rank, int *tag, farm_message *m,
                        const farm_waiting *waiting) {
   (void)comm, (void)rank, (void)tag, (void)m, (void)waiting;
-  return nobody(ctx);
+  return rank_absent(ctx);
 }
 
 void farm_send(farm_comm comm, int rank, int tag, const farm_message *m) {

@@ -20,7 +20,7 @@ typedef struct balance_job {
   int rank, job;
 } balance_job;
 
-static int by_rank_and_cost(const void *x, const void *y) {
+static int job_compare(const void *x, const void *y) {
   const balance_job *a = x, *b = y;
   if (a->rank != b->rank) return a->rank < b->rank ? -1 : 1;
   if (a->cost != b->cost) return a->cost > b->cost ? -1 : 1;
@@ -28,7 +28,7 @@ static int by_rank_and_cost(const void *x, const void *y) {
 }
 
 /* Costs that are not known yet count as the mean of the known ones; false when none is known. */
-static bool fill_costs(farm_books *b, double *total) {
+static bool costs_fill(farm_books *b, double *total) {
   double sum = 0;
   int known = 0;
   for (int j = 0; j < b->njobs; j++)
@@ -41,7 +41,8 @@ static bool fill_costs(farm_books *b, double *total) {
 
 /* The job of the slowest rank whose move to the fastest leaves the smaller maximum of the two; -1: none is
  * worth it. */
-static int best_move(const balance_job *jobs, const balance_rank *from, const balance_rank *to, double mean) {
+static int move_find_best(const balance_job *jobs, const balance_rank *from, const balance_rank *to,
+                          double mean) {
   double excess = from->load - mean, room = mean - to->load, most = excess < room ? excess : room;
   int best = -1;
   double won = price > 0.1 * worth * mean ? price : 0.1 * worth * mean;
@@ -55,7 +56,7 @@ static int best_move(const balance_job *jobs, const balance_rank *from, const ba
   return best;
 }
 
-static void move_jobs(farm_books *b, balance_job *jobs, balance_rank *ranks, double mean) {
+static void jobs_move(farm_books *b, balance_job *jobs, balance_rank *ranks, double mean) {
   for (int moves = 0; moves < b->njobs; moves++) {
     int slow = 0, fast = 0;
     for (int r = 1; r < b->ranks; r++) {
@@ -63,7 +64,7 @@ static void move_jobs(farm_books *b, balance_job *jobs, balance_rank *ranks, dou
       if (ranks[r].load < ranks[fast].load) fast = r;
     }
     if (ranks[slow].load <= (1 + worth) * mean) return;
-    int k = best_move(jobs, ranks + slow, ranks + fast, mean);
+    int k = move_find_best(jobs, ranks + slow, ranks + fast, mean);
     if (k < 0) return;
     farm_job *job = b->jobs + jobs[k].job;
     job->rank = b->home[job->task.point] = fast;
@@ -78,19 +79,19 @@ gh_status farm_balance(farm_books *b) {
   balance_job *jobs = NULL;
   balance_rank *ranks = NULL;
   gh_status status;
-  if (!fill_costs(b, &total)) return GH_OK;
+  if (!costs_fill(b, &total)) return GH_OK;
   GH_TRY_OR(gh_alloc(b->ctx, (size_t)b->njobs, sizeof *jobs, &jobs), done);
   GH_TRY_OR(gh_alloc(b->ctx, (size_t)b->ranks, sizeof *ranks, &ranks), done);
   for (int j = 0; j < b->njobs; j++)
     jobs[j] = (balance_job){.cost = b->jobs[j].cost, .rank = b->jobs[j].rank, .job = j};
-  if (b->njobs > 0) qsort(jobs, (size_t)b->njobs, sizeof *jobs, by_rank_and_cost);
+  if (b->njobs > 0) qsort(jobs, (size_t)b->njobs, sizeof *jobs, job_compare);
   for (int j = b->njobs; j-- > 0;) {
     balance_rank *r = ranks + jobs[j].rank;
     r->load += jobs[j].cost;
     r->first = j;
     r->n++;
   }
-  move_jobs(b, jobs, ranks, total / b->ranks);
+  jobs_move(b, jobs, ranks, total / b->ranks);
 done:
   free(jobs);
   free(ranks);

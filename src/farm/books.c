@@ -7,7 +7,7 @@
 
 /* ---- memory ---- */
 
-static gh_status fill(farm_books *b, const gh_farm_setup *setup) {
+static gh_status books_fill(farm_books *b, const gh_farm_setup *setup) {
   size_t n = (size_t)b->n, ranks = (size_t)b->ranks;
   for (b->table_size = 16; b->table_size < 2 * n;) b->table_size *= 2;
   GH_TRY(gh_alloc(b->ctx, n, sizeof *b->packing, &b->packing));
@@ -47,7 +47,7 @@ gh_status farm_books_create(gh_context *ctx, const gh_farm_setup *setup, int ran
     if (setup->packing_of[k] < 0 || setup->packing_of[k] >= setup->npackings)
       return gh_fail(ctx, GH_INPUT, "integration point %d: there is no packing %d among %d", k,
                      setup->packing_of[k], setup->npackings);
-  return fill(b, setup);
+  return books_fill(b, setup);
 }
 
 void farm_books_destroy(farm_books *b) {
@@ -60,7 +60,7 @@ void farm_books_destroy(farm_books *b) {
 
 /* ---- states ---- */
 
-static gh_status push(farm_books *b, farm_list *list, int item) {
+static gh_status list_push(farm_books *b, farm_list *list, int item) {
   GH_TRY(gh_grow(b->ctx, list->n + 1, sizeof *list->item, &list->capacity, &list->item));
   list->item[list->n++] = item;
   return GH_OK;
@@ -87,8 +87,8 @@ gh_status farm_books_state(farm_books *b, int packing, int rank, long content, i
 void farm_books_release(farm_books *b, int state) {
   farm_state *s = b->states + state;
   if (--s->users > 0) return;
-  push(b, b->slots + s->rank, s->slot);
-  push(b, &b->idle, state);
+  list_push(b, b->slots + s->rank, s->slot);
+  list_push(b, &b->idle, state);
 }
 
 void farm_books_enter(farm_books *b, int point, int state) {
@@ -100,7 +100,7 @@ void farm_books_enter(farm_books *b, int point, int state) {
 }
 
 /* The point keeps another trial state, or none. */
-static void hold(farm_books *b, int point, int state) {
+static void state_hold(farm_books *b, int point, int state) {
   int old = b->near[point];
   if (old == state) return;
   if (state >= 0) b->states[state].users++;
@@ -110,14 +110,14 @@ static void hold(farm_books *b, int point, int state) {
 
 void farm_books_keep(farm_books *b) {
   if (!b->keeps || !b->trial) return;
-  for (int k = 0; k < b->n; k++) hold(b, k, b->jobs[b->job[k]].result);
+  for (int k = 0; k < b->n; k++) state_hold(b, k, b->jobs[b->job[k]].result);
 }
 
 void farm_books_forget(farm_books *b) {
-  for (int k = 0; k < b->n; k++) hold(b, k, -1);
+  for (int k = 0; k < b->n; k++) state_hold(b, k, -1);
 }
 
-static void drop_jobs(farm_books *b) {
+static void jobs_drop(farm_books *b) {
   for (int j = 0; j < b->njobs; j++) {
     farm_books_release(b, b->jobs[j].state);
     if (b->jobs[j].near >= 0) farm_books_release(b, b->jobs[j].near);
@@ -128,7 +128,7 @@ static void drop_jobs(farm_books *b) {
 }
 
 void farm_books_clear(farm_books *b) {
-  drop_jobs(b);
+  jobs_drop(b);
   farm_books_forget(b);
   for (int k = 0; k < b->n; k++) {
     farm_books_enter(b, k, b->packing[k]);
@@ -139,7 +139,7 @@ void farm_books_clear(farm_books *b) {
 /* ---- jobs ---- */
 
 /* FNV-1a. */
-static uint64_t hash(long content, long near, const double F[4]) {
+static uint64_t content_hash(long content, long near, const double F[4]) {
   unsigned char bytes[sizeof content + sizeof near + 4 * sizeof *F];
   uint64_t h = 14695981039346656037u;
   memcpy(bytes, &content, sizeof content);
@@ -149,17 +149,17 @@ static uint64_t hash(long content, long near, const double F[4]) {
   return h;
 }
 
-static long content_of(const farm_books *b, int state) {
+static long content_of_point(const farm_books *b, int state) {
   return state < 0 ? -1 : b->states[state].content;
 }
 
 /* The job with these contents and F among those planned so far; -1, and the place in the table where it
  * belongs. */
-static int find_job(const farm_books *b, long content, long near, const double F[4], size_t *place) {
-  size_t mask = b->table_size - 1, at = (size_t)hash(content, near, F) & mask;
+static int job_find(const farm_books *b, long content, long near, const double F[4], size_t *place) {
+  size_t mask = b->table_size - 1, at = (size_t)content_hash(content, near, F) & mask;
   for (; b->table[at] >= 0; at = (at + 1) & mask) {
     const farm_job *job = b->jobs + b->table[at];
-    if (content_of(b, job->state) == content && content_of(b, job->near) == near &&
+    if (content_of_point(b, job->state) == content && content_of_point(b, job->near) == near &&
         !memcmp(job->task.F, F, sizeof job->task.F))
       return b->table[at];
   }
@@ -167,13 +167,13 @@ static int find_job(const farm_books *b, long content, long near, const double F
   return -1;
 }
 
-static gh_status collect(farm_books *b, const double *F) {
+static gh_status jobs_collect(farm_books *b, const double *F) {
   for (size_t k = 0; k < b->table_size; k++) b->table[k] = -1;
   GH_TRY(gh_grow(b->ctx, (size_t)b->n, sizeof *b->jobs, &b->job_capacity, &b->jobs));
   for (int k = 0; k < b->n; k++) {
     size_t place;
-    const long content = content_of(b, b->state[k]), near = content_of(b, b->near[k]);
-    int found = b->share ? find_job(b, content, near, F + 4 * k, &place) : -1;
+    const long content = content_of_point(b, b->state[k]), near = content_of_point(b, b->near[k]);
+    int found = b->share ? job_find(b, content, near, F + 4 * k, &place) : -1;
     if (found < 0) {
       found = b->njobs++;
       if (b->share) b->table[place] = found;
@@ -194,7 +194,7 @@ static gh_status collect(farm_books *b, const double *F) {
 
 /* A copy of a state for a job on another rank. The job's use of the old state ends with the moves
  * (farm_books_settle). */
-static gh_status bring(farm_books *b, int rank, int *state) {
+static gh_status state_bring(farm_books *b, int rank, int *state) {
   if (*state < 0) return GH_OK;
   const farm_state s = b->states[*state];
   int copy;
@@ -211,19 +211,19 @@ static gh_status bring(farm_books *b, int rank, int *state) {
 void farm_books_settle(farm_books *b) {
   for (int k = 0; k < b->n; k++) {
     farm_books_enter(b, k, b->jobs[b->job[k]].state);
-    hold(b, k, b->jobs[b->job[k]].near);
+    state_hold(b, k, b->jobs[b->job[k]].near);
   }
   for (size_t k = 0; k < b->nmoves; k++) farm_books_release(b, b->moves[k].from);
 }
 
 gh_status farm_books_plan(farm_books *b, const double *F) {
-  drop_jobs(b);
-  GH_TRY(collect(b, F));
+  jobs_drop(b);
+  GH_TRY(jobs_collect(b, F));
   if (b->ranks > 1 && b->balance) GH_TRY(farm_balance(b));
   b->nmoves = 0;
   for (int j = 0; j < b->njobs; j++) {
-    GH_TRY(bring(b, b->jobs[j].rank, &b->jobs[j].state));
-    GH_TRY(bring(b, b->jobs[j].rank, &b->jobs[j].near));
+    GH_TRY(state_bring(b, b->jobs[j].rank, &b->jobs[j].state));
+    GH_TRY(state_bring(b, b->jobs[j].rank, &b->jobs[j].near));
   }
   for (int j = 0; j < b->njobs; j++) {
     farm_job *job = b->jobs + j;

@@ -72,7 +72,7 @@ gh_status gh_farm_evaluate(gh_farm *f, const double *F, unsigned want, double *P
   return GH_OK;
 }
 
-static gh_status for_all(gh_farm *f, gh_status (*act)(void *)) {
+static gh_status points_for_all(gh_farm *f, gh_status (*act)(void *)) {
   for (int k = 0; k < f->n; k++) {
     gh_status s = act(f->points[k]);
     if (s != GH_OK) return gh_prefix(f->ctx, s, "integration point %d: ", k);
@@ -81,13 +81,13 @@ static gh_status for_all(gh_farm *f, gh_status (*act)(void *)) {
 }
 
 gh_status gh_farm_commit(gh_farm *f) {
-  if (!f->shared) return for_all(f, f->ops.commit);
+  if (!f->shared) return points_for_all(f, f->ops.commit);
   farm_books_commit(&f->shared->books);
   return GH_OK;
 }
 
 gh_status gh_farm_revert(gh_farm *f) {
-  if (!f->shared) return for_all(f, f->ops.revert);
+  if (!f->shared) return points_for_all(f, f->ops.revert);
   f->shared->books.trial = false;
   farm_books_forget(&f->shared->books);
   return GH_OK;

@@ -4,7 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-static size_t words(void) {
+static size_t numbers_in_bytes(void) {
   return (sizeof(gh_rve_measures) + sizeof(double) - 1) / sizeof(double);
 }
 
@@ -16,15 +16,15 @@ void gh_farm_image_free(gh_farm_image *image) {
   *image = (gh_farm_image){0};
 }
 
-static gh_status alloc_points(gh_context *ctx, int n, gh_farm_image *image) {
-  *image = (gh_farm_image){.npoints = n, .nwords = (int)words()};
+static gh_status image_alloc_points(gh_context *ctx, int n, gh_farm_image *image) {
+  *image = (gh_farm_image){.npoints = n, .nwords = (int)numbers_in_bytes()};
   GH_TRY(gh_alloc(ctx, (size_t)n, sizeof *image->state, &image->state));
   GH_TRY(gh_alloc(ctx, (size_t)n + 1, sizeof *image->start, &image->start));
-  return gh_alloc(ctx, (size_t)n * words(), sizeof *image->measure, &image->measure);
+  return gh_alloc(ctx, (size_t)n * numbers_in_bytes(), sizeof *image->measure, &image->measure);
 }
 
 /* Numbers the states by their first point; list: the states in that order. */
-static gh_status number_states(farm_shared *s, gh_farm_image *image, int **list) {
+static gh_status states_number(farm_shared *s, gh_farm_image *image, int **list) {
   farm_books *b = &s->books;
   int *number;
   GH_TRY(gh_alloc(s->ctx, (size_t)b->n, sizeof **list, list));
@@ -43,7 +43,7 @@ static gh_status number_states(farm_shared *s, gh_farm_image *image, int **list)
 }
 
 /* Asks every rank for its states of the list. They come in the list's order. */
-static gh_status ask(farm_shared *s, const int *list, int count) {
+static gh_status states_request(farm_shared *s, const int *list, int count) {
   const farm_books *b = &s->books;
   for (int r = 1; r < s->ranks; r++) {
     int n = 0;
@@ -57,7 +57,7 @@ static gh_status ask(farm_shared *s, const int *list, int count) {
   return GH_OK;
 }
 
-static gh_status gather(farm_shared *s, const int *list, gh_farm_image *image) {
+static gh_status states_gather(farm_shared *s, const int *list, gh_farm_image *image) {
   size_t capacity = 0;
   for (int k = 0; k < image->nstates; k++) {
     const farm_state *state = s->books.states + list[k];
@@ -80,12 +80,12 @@ gh_status gh_farm_save(gh_farm *f, gh_farm_image *image) {
   gh_status status;
   *image = (gh_farm_image){0};
   if (!s) return gh_fail(f->ctx, GH_INPUT, "only the states of RVEs can be saved");
-  GH_TRY_OR(alloc_points(s->ctx, f->n, image), done);
+  GH_TRY_OR(image_alloc_points(s->ctx, f->n, image), done);
   for (int k = 0; k < f->n; k++)
-    memcpy(image->measure + words() * (size_t)k, s->books.measure + k, sizeof(gh_rve_measures));
-  GH_TRY_OR(number_states(s, image, &list), done);
-  GH_TRY_OR(ask(s, list, image->nstates), done);
-  status = gather(s, list, image);
+    memcpy(image->measure + numbers_in_bytes() * (size_t)k, s->books.measure + k, sizeof(gh_rve_measures));
+  GH_TRY_OR(states_number(s, image, &list), done);
+  GH_TRY_OR(states_request(s, list, image->nstates), done);
+  status = states_gather(s, list, image);
 done:
   free(list);
   return status;
@@ -93,12 +93,13 @@ done:
 
 /* ---- back ---- */
 
-static gh_status check(farm_shared *s, const gh_farm_image *image) {
+static gh_status image_check(farm_shared *s, const gh_farm_image *image) {
   gh_context *ctx = s->ctx;
   if (image->npoints != s->books.n)
     return gh_fail(ctx, GH_INPUT, "states of %d integration points for %d", image->npoints, s->books.n);
-  if (image->nwords != (int)words())
-    return gh_fail(ctx, GH_INPUT, "measures of %d numbers, this version has %d", image->nwords, (int)words());
+  if (image->nwords != (int)numbers_in_bytes())
+    return gh_fail(ctx, GH_INPUT, "measures of %d numbers, this version has %d", image->nwords,
+                   (int)numbers_in_bytes());
   for (int k = 0; k < image->npoints; k++)
     if (image->state[k] < -1 || image->state[k] >= image->nstates)
       return gh_fail(ctx, GH_INPUT, "integration point %d is in state %d of %d", k, image->state[k],
@@ -110,7 +111,7 @@ static gh_status check(farm_shared *s, const gh_farm_image *image) {
 }
 
 /* New states for the image's, each on the rank of its first point; the list holds one user each. */
-static gh_status make_states(farm_shared *s, const gh_farm_image *image, int *list) {
+static gh_status states_make(farm_shared *s, const gh_farm_image *image, int *list) {
   farm_books *b = &s->books;
   for (int k = 0; k < image->nstates; k++) list[k] = -1;
   for (int p = 0; p < b->n; p++) {
@@ -127,7 +128,7 @@ static gh_status make_states(farm_shared *s, const gh_farm_image *image, int *li
   return GH_OK;
 }
 
-static gh_status send_states(farm_shared *s, const gh_farm_image *image, const int *list, int rank) {
+static gh_status states_send(farm_shared *s, const gh_farm_image *image, const int *list, int rank) {
   const farm_books *b = &s->books;
   int n = 0;
   for (int k = 0; k < image->nstates; k++) n += b->states[list[k]].rank == rank;
@@ -147,7 +148,7 @@ static gh_status send_states(farm_shared *s, const gh_farm_image *image, const i
   return farm_reply(s, rank);
 }
 
-static gh_status keep_own(farm_shared *s, const gh_farm_image *image, const int *list) {
+static gh_status states_store_own(farm_shared *s, const gh_farm_image *image, const int *list) {
   for (int k = 0; k < image->nstates; k++) {
     const farm_state *state = s->books.states + list[k];
     size_t size = image->start[k + 1] - image->start[k];
@@ -164,14 +165,14 @@ gh_status gh_farm_load(gh_farm *f, const gh_farm_image *image) {
   int *list = NULL;
   gh_status status;
   if (!s) return gh_fail(f->ctx, GH_INPUT, "only the states of RVEs can be read back");
-  GH_TRY(check(s, image));
+  GH_TRY(image_check(s, image));
   GH_TRY_OR(gh_alloc(s->ctx, (size_t)image->nstates + 1, sizeof *list, &list), done);
   farm_books_clear(&s->books);
-  GH_TRY_OR(make_states(s, image, list), done);
-  GH_TRY_OR(keep_own(s, image, list), done);
-  for (int r = 1; r < s->ranks; r++) GH_TRY_OR(send_states(s, image, list, r), done);
+  GH_TRY_OR(states_make(s, image, list), done);
+  GH_TRY_OR(states_store_own(s, image, list), done);
+  for (int r = 1; r < s->ranks; r++) GH_TRY_OR(states_send(s, image, list, r), done);
   for (int k = 0; k < f->n; k++)
-    memcpy(s->books.measure + k, image->measure + words() * (size_t)k, sizeof(gh_rve_measures));
+    memcpy(s->books.measure + k, image->measure + numbers_in_bytes() * (size_t)k, sizeof(gh_rve_measures));
 done:
   free(list);
   return status;

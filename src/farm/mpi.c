@@ -20,7 +20,7 @@ void farm_cancel(farm_comm comm, int rank) {
 
 enum { POLLS = 500 };
 
-static void rest(int *polls) {
+static void wait_pause(int *polls) {
   static const struct timespec moment = {.tv_nsec = 30000};
   if (++*polls < POLLS) sched_yield();
   else nanosleep(&moment, NULL);
@@ -31,7 +31,7 @@ void farm_wait(farm_request *requests, int n) {
   for (;;) {
     MPI_Testall(n, requests, &done, MPI_STATUSES_IGNORE);
     if (done) return;
-    rest(&polls);
+    wait_pause(&polls);
   }
 }
 
@@ -41,13 +41,14 @@ void farm_send(farm_comm comm, int rank, int tag, const farm_message *m) {
   farm_wait(&request, 1);
 }
 
-static void probe(farm_comm comm, int rank, int tag, MPI_Status *status, const farm_waiting *waiting) {
+static void message_probe(farm_comm comm, int rank, int tag, MPI_Status *status,
+                          const farm_waiting *waiting) {
   int there = 0, polls = 0;
   for (;;) {
     MPI_Iprobe(rank, tag, comm, &there, status);
     if (there) return;
     if (waiting) waiting->idle(waiting->data);
-    rest(&polls);
+    wait_pause(&polls);
   }
 }
 
@@ -56,7 +57,7 @@ gh_status farm_receive(gh_context *ctx, farm_comm comm, int rank, int *tag, farm
   MPI_Status status;
   int size;
   farm_message_begin(m);
-  probe(comm, rank, *tag, &status, waiting);
+  message_probe(comm, rank, *tag, &status, waiting);
   MPI_Get_count(&status, MPI_BYTE, &size);
   *tag = status.MPI_TAG;
   GH_TRY(gh_grow(ctx, (size_t)size + 1, 1, &m->capacity, &m->bytes));
@@ -74,7 +75,7 @@ void farm_send_state(farm_comm comm, int rank, const double *state, size_t size,
 size_t farm_next_state(farm_comm comm, int rank) {
   MPI_Status status;
   int size;
-  probe(comm, rank, FARM_TAG_STATE, &status, NULL);
+  message_probe(comm, rank, FARM_TAG_STATE, &status, NULL);
   MPI_Get_count(&status, MPI_DOUBLE, &size);
   return (size_t)size;
 }

@@ -12,7 +12,7 @@ typedef struct server {
   farm_message in, out;
 } server;
 
-static gh_status take_packing(server *s, gh_packing **packing) {
+static gh_status packing_receive(server *s, gh_packing **packing) {
   gh_packing *p;
   GH_TRY(gh_alloc(s->ctx, 1, sizeof *p, packing));
   p = *packing;
@@ -31,7 +31,7 @@ static gh_status take_packing(server *s, gh_packing **packing) {
   return gh_fail(s->ctx, GH_INTERNAL, "a message with a packing is cut off");
 }
 
-static gh_status make(server *s) {
+static gh_status store_make(server *s) {
   gh_rve_options options;
   farm_store_destroy(&s->store);
   farm_take(&s->in, &options, sizeof options);
@@ -39,7 +39,7 @@ static gh_status make(server *s) {
   gh_packing **packings;
   GH_TRY(gh_alloc(s->ctx, (size_t)npackings, sizeof *packings, &packings));
   gh_status status = GH_OK;
-  for (int k = 0; k < npackings && status == GH_OK; k++) status = take_packing(s, packings + k);
+  for (int k = 0; k < npackings && status == GH_OK; k++) status = packing_receive(s, packings + k);
   if (status == GH_OK) status = farm_store_create(s->ctx, npackings, packings, &options, resident, &s->store);
   else
     for (int k = 0; k < npackings; k++) gh_packing_destroy(packings + k);
@@ -47,43 +47,43 @@ static gh_status make(server *s) {
   return status;
 }
 
-static bool cancelled(server *s) {
+static bool evaluation_is_cancelled(server *s) {
   int there = 0;
   MPI_Iprobe(0, FARM_TAG_CANCEL, s->comm, &there, MPI_STATUS_IGNORE);
   if (there) MPI_Recv(NULL, 0, MPI_BYTE, 0, FARM_TAG_CANCEL, s->comm, MPI_STATUS_IGNORE);
   return there || (s->stop && s->stop(s->stop_data));
 }
 
-static gh_status work(server *s, unsigned want, int ntasks, farm_answer *answers, int *done) {
+static gh_status jobs_run(server *s, unsigned want, int ntasks, farm_answer *answers, int *done) {
   farm_store_begin(s->store);
   for (*done = 0; *done < ntasks; ++*done) {
     farm_task task;
     if (!farm_take(&s->in, &task, sizeof task))
       return gh_fail(s->ctx, GH_INTERNAL, "a message with jobs is cut off");
-    if (cancelled(s)) return gh_fail(s->ctx, GH_STOPPED, "stopped on request");
+    if (evaluation_is_cancelled(s)) return gh_fail(s->ctx, GH_STOPPED, "stopped on request");
     GH_TRY(farm_store_evaluate(s->store, &task, want, answers + *done));
   }
   return GH_OK;
 }
 
-static gh_status take_transfers(server *s, int n, farm_transfer **list) {
+static gh_status transfers_receive(server *s, int n, farm_transfer **list) {
   GH_TRY(gh_alloc(s->ctx, (size_t)n + 1, sizeof **list, list));
   farm_take(&s->in, *list, (size_t)n * sizeof **list);
   return GH_OK;
 }
 
-static void evaluate(server *s) {
+static void evaluation_serve(server *s) {
   unsigned want = (unsigned)farm_take_int(&s->in);
   int ntasks = farm_take_int(&s->in), nsend = farm_take_int(&s->in), nreceive = farm_take_int(&s->in),
       done = 0;
   farm_transfer *send = NULL, *receive = NULL;
   farm_answer *answers = NULL;
   gh_status status;
-  GH_TRY_OR(take_transfers(s, nsend, &send), reply);
-  GH_TRY_OR(take_transfers(s, nreceive, &receive), reply);
+  GH_TRY_OR(transfers_receive(s, nsend, &send), reply);
+  GH_TRY_OR(transfers_receive(s, nreceive, &receive), reply);
   GH_TRY_OR(farm_transfers(s->ctx, s->store, s->comm, nsend, send, nreceive, receive), reply);
   GH_TRY_OR(gh_alloc(s->ctx, (size_t)ntasks + 1, sizeof *answers, &answers), reply);
-  status = work(s, want, ntasks, answers, &done);
+  status = jobs_run(s, want, ntasks, answers, &done);
 reply:
   farm_put_status(&s->out, s->ctx, status);
   farm_put_int(&s->out, done);
@@ -94,7 +94,7 @@ reply:
 }
 
 /* Answers with the states themselves; an empty one where a slot holds none. */
-static void fetch(server *s) {
+static void states_serve(server *s) {
   int n = farm_take_int(&s->in);
   for (int k = 0; k < n; k++) {
     const double *state = NULL;
@@ -106,13 +106,13 @@ static void fetch(server *s) {
   }
 }
 
-static gh_status put(server *s) {
+static gh_status states_receive(server *s) {
   int n = farm_take_int(&s->in);
   for (int k = 0; k < n; k++) GH_TRY(farm_store_receive(s->store, s->comm, 0, farm_take_int(&s->in)));
   return GH_OK;
 }
 
-static void look(server *s) {
+static void view_serve(server *s) {
   farm_task task;
   gh_rve_view view;
   farm_take(&s->in, &task, sizeof task);
@@ -121,36 +121,36 @@ static void look(server *s) {
   if (status == GH_OK) farm_put_view(&s->out, &view);
 }
 
-static void costs(server *s) {
+static void costs_serve(server *s) {
   gh_rve_cost sum = {0};
   if (s->store) farm_store_costs(s->store, &sum);
   farm_put(&s->out, &sum, sizeof sum);
 }
 
 /* false: the service is over. */
-static bool obey(server *s, farm_command command) {
+static bool command_obey(server *s, farm_command command) {
   farm_message_begin(&s->out);
   switch (command) {
   case FARM_MAKE:
-    farm_put_status(&s->out, s->ctx, make(s));
+    farm_put_status(&s->out, s->ctx, store_make(s));
     break;
   case FARM_DROP:
     farm_store_destroy(&s->store);
     return true;
   case FARM_EVALUATE:
-    evaluate(s);
+    evaluation_serve(s);
     break;
   case FARM_FETCH:
-    fetch(s);
+    states_serve(s);
     return true;
   case FARM_PUT:
-    farm_put_status(&s->out, s->ctx, put(s));
+    farm_put_status(&s->out, s->ctx, states_receive(s));
     break;
   case FARM_LOOK:
-    look(s);
+    view_serve(s);
     break;
   case FARM_COSTS:
-    costs(s);
+    costs_serve(s);
     break;
   case FARM_LEAVE:
     return false;
@@ -170,7 +170,7 @@ gh_status gh_farm_serve(gh_context *ctx, const void *comm, bool (*stop)(void *da
   for (bool on = true; on && status == GH_OK;) {
     int tag = MPI_ANY_TAG;
     status = farm_receive(ctx, s.comm, 0, &tag, &s.in, NULL);
-    if (status == GH_OK && tag == FARM_TAG_COMMAND) on = obey(&s, (farm_command)farm_take_int(&s.in));
+    if (status == GH_OK && tag == FARM_TAG_COMMAND) on = command_obey(&s, (farm_command)farm_take_int(&s.in));
   }
   farm_store_destroy(&s.store);
   farm_message_free(&s.in);

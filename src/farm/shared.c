@@ -19,40 +19,40 @@ gh_status farm_order(farm_shared *s, int rank) {
   return GH_OK;
 }
 
-static bool stop_wanted(const farm_shared *s) {
+static bool evaluation_stop_requested(const farm_shared *s) {
   return s->stop && s->stop(s->stop_data);
 }
 
 /* Tells all ranks to leave their jobs, once. */
-static void cancel(farm_shared *s) {
+static void evaluation_cancel(farm_shared *s) {
   if (s->cancelled) return;
   s->cancelled = true;
   for (int r = 1; r < s->ranks; r++) farm_cancel(s->comm, r);
 }
 
-static void while_waiting(void *data) {
+static void evaluation_wait(void *data) {
   farm_shared *s = data;
-  if (!s->cancelled && stop_wanted(s)) cancel(s);
+  if (!s->cancelled && evaluation_stop_requested(s)) evaluation_cancel(s);
 }
 
 gh_status farm_reply(farm_shared *s, int rank) {
   int tag = FARM_TAG_REPLY;
-  const farm_waiting waiting = {while_waiting, s};
+  const farm_waiting waiting = {evaluation_wait, s};
   GH_TRY(farm_receive(s->ctx, s->comm, rank, &tag, &s->message, &waiting));
   return farm_take_status(&s->message, s->ctx);
 }
 
 /* ---- making ---- */
 
-static gh_status copy_packings(gh_context *ctx, const gh_farm_setup *setup, gh_packing **copies) {
+static gh_status packings_copy(gh_context *ctx, const gh_farm_setup *setup, gh_packing **copies) {
   for (int k = 0; k < setup->npackings; k++) GH_TRY(gh_packing_copy(ctx, setup->packings[k], copies + k));
   return GH_OK;
 }
 
-static gh_status make_store(farm_shared *s, const gh_farm_setup *setup) {
+static gh_status store_make(farm_shared *s, const gh_farm_setup *setup) {
   gh_packing **copies;
   GH_TRY(gh_alloc(s->ctx, (size_t)setup->npackings, sizeof *copies, &copies));
-  gh_status status = copy_packings(s->ctx, setup, copies);
+  gh_status status = packings_copy(s->ctx, setup, copies);
   if (status == GH_OK)
     status = farm_store_create(s->ctx, setup->npackings, copies, &setup->rve, setup->resident, &s->store);
   else
@@ -61,7 +61,7 @@ static gh_status make_store(farm_shared *s, const gh_farm_setup *setup) {
   return status == GH_OK ? farm_store_check(s->store) : status;
 }
 
-static gh_status tell_setup(farm_shared *s, const gh_farm_setup *setup) {
+static gh_status setup_send(farm_shared *s, const gh_farm_setup *setup) {
   farm_message *m = farm_begin_order(s, FARM_MAKE);
   farm_put(m, &setup->rve, sizeof setup->rve);
   farm_put_int(m, setup->resident);
@@ -86,11 +86,11 @@ static gh_status tell_setup(farm_shared *s, const gh_farm_setup *setup) {
   return status;
 }
 
-static gh_status fill(farm_shared *s, const gh_farm_setup *setup) {
+static gh_status shared_fill(farm_shared *s, const gh_farm_setup *setup) {
   if (setup->comm) GH_TRY(farm_connect(s->ctx, setup->comm, &s->comm, &s->ranks));
   GH_TRY(farm_books_create(s->ctx, setup, s->ranks, &s->books));
-  GH_TRY(make_store(s, setup));
-  return s->ranks > 1 ? tell_setup(s, setup) : GH_OK;
+  GH_TRY(store_make(s, setup));
+  return s->ranks > 1 ? setup_send(s, setup) : GH_OK;
 }
 
 gh_status farm_shared_create(gh_context *ctx, const gh_farm_setup *setup, farm_shared **shared) {
@@ -98,7 +98,7 @@ gh_status farm_shared_create(gh_context *ctx, const gh_farm_setup *setup, farm_s
   farm_shared *s = *shared;
   s->ctx = ctx;
   s->ranks = 1;
-  gh_status status = fill(s, setup);
+  gh_status status = shared_fill(s, setup);
   if (status != GH_OK) farm_shared_destroy(shared);
   return status;
 }
@@ -130,7 +130,7 @@ typedef struct failure {
   char words[2048];
 } failure;
 
-static void keep_failure(farm_shared *s, failure *f, int point, gh_status status) {
+static void failure_store(farm_shared *s, failure *f, int point, gh_status status) {
   if (status == GH_OK || point >= f->point) return;
   f->point = point;
   f->status = status;
@@ -138,7 +138,7 @@ static void keep_failure(farm_shared *s, failure *f, int point, gh_status status
 }
 
 /* What this rank sends and receives: sends, receives. */
-static gh_status list_transfers(farm_shared *s, int rank, int *nsend, int *nreceive) {
+static gh_status transfers_list(farm_shared *s, int rank, int *nsend, int *nreceive) {
   const farm_books *b = &s->books;
   *nsend = *nreceive = 0;
   for (size_t k = 0; k < b->nmoves; k++) {
@@ -155,19 +155,19 @@ static gh_status list_transfers(farm_shared *s, int rank, int *nsend, int *nrece
   return GH_OK;
 }
 
-static int count_jobs(const farm_books *b, int rank) {
+static int jobs_count(const farm_books *b, int rank) {
   int count = 0;
   for (int j = 0; j < b->njobs; j++) count += b->jobs[j].rank == rank;
   return count;
 }
 
-static gh_status send_jobs(farm_shared *s, int rank, unsigned want) {
+static gh_status jobs_send(farm_shared *s, int rank, unsigned want) {
   const farm_books *b = &s->books;
   int nsend, nreceive;
-  GH_TRY(list_transfers(s, rank, &nsend, &nreceive));
+  GH_TRY(transfers_list(s, rank, &nsend, &nreceive));
   farm_message *m = farm_begin_order(s, FARM_EVALUATE);
   farm_put_int(m, (int)want);
-  farm_put_int(m, count_jobs(b, rank));
+  farm_put_int(m, jobs_count(b, rank));
   farm_put_int(m, nsend);
   farm_put_int(m, nreceive);
   farm_put(m, s->sends, (size_t)nsend * sizeof *s->sends);
@@ -177,18 +177,18 @@ static gh_status send_jobs(farm_shared *s, int rank, unsigned want) {
   return farm_order(s, rank);
 }
 
-static gh_status own_jobs(farm_shared *s, unsigned want, int *point) {
+static gh_status jobs_run_own(farm_shared *s, unsigned want, int *point) {
   farm_books *b = &s->books;
   int nsend, nreceive;
   *point = 0;
-  GH_TRY(list_transfers(s, 0, &nsend, &nreceive));
+  GH_TRY(transfers_list(s, 0, &nsend, &nreceive));
   GH_TRY(farm_transfers(s->ctx, s->store, s->comm, nsend, s->sends, nreceive, s->receives));
   farm_store_begin(s->store);
   for (int j = 0; j < b->njobs; j++) {
     if (b->jobs[j].rank != 0) continue;
     *point = b->jobs[j].task.point;
-    if (stop_wanted(s)) {
-      cancel(s);
+    if (evaluation_stop_requested(s)) {
+      evaluation_cancel(s);
       return gh_fail(s->ctx, GH_STOPPED, "stopped on request");
     }
     GH_TRY(farm_store_evaluate(s->store, &b->jobs[j].task, want, s->answers + j));
@@ -199,7 +199,7 @@ static gh_status own_jobs(farm_shared *s, unsigned want, int *point) {
 
 /* The reply of a rank to send_jobs. A rank comes to its jobs in their order, and ends with the one that
  * fails. */
-static void take_answers(farm_shared *s, int rank, failure *f) {
+static void answers_receive(farm_shared *s, int rank, failure *f) {
   farm_books *b = &s->books;
   gh_status status = farm_reply(s, rank);
   int done = farm_take_int(&s->message), point = 0;
@@ -213,10 +213,10 @@ static void take_answers(farm_shared *s, int rank, failure *f) {
       break;
     }
   }
-  keep_failure(s, f, point, status);
+  failure_store(s, f, point, status);
 }
 
-static gh_status run_jobs(farm_shared *s, unsigned want, failure *f) {
+static gh_status jobs_run(farm_shared *s, unsigned want, failure *f) {
   farm_books *b = &s->books;
   size_t njobs = (size_t)b->njobs;
   GH_TRY(gh_grow(s->ctx, njobs, sizeof *s->answers, &s->answer_capacity, &s->answers));
@@ -225,17 +225,17 @@ static gh_status run_jobs(farm_shared *s, unsigned want, failure *f) {
   s->cancelled = false;
   int point, asked = 1;
   gh_status status = GH_OK;
-  for (; asked < s->ranks && status == GH_OK; asked++) status = send_jobs(s, asked, want);
+  for (; asked < s->ranks && status == GH_OK; asked++) status = jobs_send(s, asked, want);
   if (status != GH_OK) asked--; /* no memory to ask this one */
-  keep_failure(s, f, -1, status);
-  status = own_jobs(s, want, &point);
-  keep_failure(s, f, point, status);
-  for (int r = 1; r < asked; r++) take_answers(s, r, f);
+  failure_store(s, f, -1, status);
+  status = jobs_run_own(s, want, &point);
+  failure_store(s, f, point, status);
+  for (int r = 1; r < asked; r++) answers_receive(s, r, f);
   return GH_OK;
 }
 
 /* How evenly the ranks were busy. */
-static void count_time(farm_shared *s) {
+static void time_count(farm_shared *s) {
   farm_books *b = &s->books;
   double longest = 0;
   for (int r = 0; r < s->ranks; r++) {
@@ -249,7 +249,7 @@ static void count_time(farm_shared *s) {
 }
 
 /* Answers of all points before `end`, to those who asked. */
-static void spread(farm_shared *s, int end, double *P, double *A) {
+static void answers_spread(farm_shared *s, int end, double *P, double *A) {
   farm_books *b = &s->books;
   for (int j = 0; j < b->njobs; j++)
     if (s->done[j]) farm_books_answer(b, j, s->answers + j);
@@ -273,10 +273,10 @@ gh_status farm_shared_evaluate(farm_shared *s, const double *F, unsigned want, d
   if (!A && want & GH_WANT_TANGENT)
     return gh_fail(s->ctx, GH_INTERNAL, "a tangent is required, and there is no place for it");
   GH_TRY(farm_books_plan(&s->books, F));
-  GH_TRY(run_jobs(s, want, &f));
+  GH_TRY(jobs_run(s, want, &f));
   farm_books_settle(&s->books);
-  count_time(s);
-  spread(s, f.point, P, want & GH_WANT_TANGENT ? A : NULL);
+  time_count(s);
+  answers_spread(s, f.point, P, want & GH_WANT_TANGENT ? A : NULL);
   if (f.point == INT_MAX) return s->books.trial = true, GH_OK;
   gh_fail(s->ctx, f.status, "%s", f.words);
   if (f.point < 0 || f.status == GH_STOPPED) return f.status;
@@ -286,7 +286,7 @@ gh_status farm_shared_evaluate(farm_shared *s, const double *F, unsigned want, d
 /* ---- looking ---- */
 
 /* The job of the last evaluation; for a state that was read back, one at its own F. */
-static farm_task task_of(const farm_shared *s, int point, int *rank) {
+static farm_task task_of_job(const farm_shared *s, int point, int *rank) {
   const farm_books *b = &s->books;
   if (b->job[point] >= 0) {
     *rank = b->jobs[b->job[point]].rank;
@@ -306,7 +306,7 @@ gh_status farm_shared_look(farm_shared *s, int point, gh_rve_view *view) {
     return gh_fail(s->ctx, GH_INPUT, "there is no integration point %d", point);
   if (s->books.measure[point].F[0] == 0 && s->books.measure[point].F[1] == 0)
     return gh_fail(s->ctx, GH_INPUT, "integration point %d was not evaluated yet", point);
-  farm_task task = task_of(s, point, &rank);
+  farm_task task = task_of_job(s, point, &rank);
   if (rank == 0) return farm_store_look(s->store, &task, view);
   farm_put(farm_begin_order(s, FARM_LOOK), &task, sizeof task);
   GH_TRY(farm_order(s, rank));

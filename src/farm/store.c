@@ -47,7 +47,7 @@ struct farm_store {
 /* ---- memory ---- */
 
 /* Bytes that are allocated at present. */
-static double heap(void) {
+static double memory_in_use(void) {
   struct mallinfo2 m = mallinfo2();
   return (double)m.uordblks + (double)m.hblkhd;
 }
@@ -59,7 +59,7 @@ void gh_rve_cost_add(gh_rve_cost *sum, const gh_rve_cost *c) {
       sum->analyses += c->analyses, sum->pairs += c->pairs;
 }
 
-static void add_cost(gh_rve_cost *sum, const gh_rve *rve) {
+static void cost_add(gh_rve_cost *sum, const gh_rve *rve) {
   gh_rve_cost c;
   gh_rve_costs(rve, &c);
   gh_rve_cost_add(sum, &c);
@@ -107,7 +107,7 @@ void farm_store_destroy(farm_store **store) {
 
 /* ---- slots ---- */
 
-static gh_status resize(farm_store *s, slot *q, size_t size) {
+static gh_status slot_resize(farm_store *s, slot *q, size_t size) {
   GH_TRY(gh_grow(s->ctx, size, sizeof *q->data, &q->capacity, &q->data));
   q->size = size;
   q->version = ++s->version;
@@ -116,7 +116,7 @@ static gh_status resize(farm_store *s, slot *q, size_t size) {
   return GH_OK;
 }
 
-static gh_status need_slot(farm_store *s, int number) {
+static gh_status slot_find(farm_store *s, int number) {
   size_t need = (size_t)number + 1;
   GH_TRY(gh_grow(s->ctx, need, sizeof *s->slots, &s->slot_capacity, &s->slots));
   for (; s->nslots < need; s->nslots++) s->slots[s->nslots] = (slot){.space = -1};
@@ -124,13 +124,13 @@ static gh_status need_slot(farm_store *s, int number) {
 }
 
 gh_status farm_store_put(farm_store *s, int number, size_t size, double **state) {
-  GH_TRY(need_slot(s, number));
+  GH_TRY(slot_find(s, number));
   slot *q = s->slots + number;
   /* Slots go from point to point, and states grow with their contacts: one that must grow at all gets room
    * for any of them. */
   if (size > s->largest) s->largest = size;
   if (size > q->capacity) GH_TRY(gh_grow(s->ctx, s->largest, sizeof *q->data, &q->capacity, &q->data));
-  GH_TRY(resize(s, q, size));
+  GH_TRY(slot_resize(s, q, size));
   *state = s->slots[number].data;
   return GH_OK;
 }
@@ -145,25 +145,25 @@ gh_status farm_store_get(farm_store *s, int number, const double **state, size_t
 
 /* ---- the pool ---- */
 
-static gh_status make_space(farm_store *s, int packing, space *w) {
-  double before = heap();
+static gh_status space_make(farm_store *s, int packing, space *w) {
+  double before = memory_in_use();
   *w = (space){.packing = packing};
   GH_TRY(gh_rve_create(s->ctx, s->packings[packing], &s->options, &w->rve));
-  w->bytes = fmax(heap() - before, 0);
+  w->bytes = fmax(memory_in_use() - before, 0);
   s->bytes += w->bytes;
   if (s->fresh[packing].data) return GH_OK;
-  GH_TRY(resize(s, s->fresh + packing, gh_rve_state_size(w->rve)));
+  GH_TRY(slot_resize(s, s->fresh + packing, gh_rve_state_size(w->rve)));
   return gh_rve_save(w->rve, s->fresh[packing].data);
 }
 
-static void clear_space(farm_store *s, space *w) {
+static void space_clear(farm_store *s, space *w) {
   if (!w->rve) return;
-  add_cost(&s->off, w->rve);
+  cost_add(&s->off, w->rve);
   s->bytes -= w->bytes;
   gh_rve_destroy(&w->rve);
 }
 
-static bool full(const farm_store *s) {
+static bool store_is_full(const farm_store *s) {
   if (s->nspaces == 0) return false;
   if (s->resident > 0) return s->nspaces >= s->resident;
   return s->bytes * (s->nspaces + 1) / s->nspaces > GH_FARM_BYTES;
@@ -171,7 +171,7 @@ static bool full(const farm_store *s) {
 
 /* Of the spaces of this packing (-1: of any): one that was not used in the round before and not in this one,
  * else the one used last: so all others stay with the states that they have served before. */
-static int pick(const farm_store *s, int packing) {
+static int space_pick(const farm_store *s, int packing) {
   int best = -1;
   for (int k = 0; k < s->nspaces; k++) {
     const space *w = s->spaces + k;
@@ -184,7 +184,7 @@ static int pick(const farm_store *s, int packing) {
 
 /* A space that is free in this round and holds the packing as read: points start from that state, which no
  * space has written, until the first commit. -1: none. */
-static int find_fresh(farm_store *s, int packing) {
+static int space_find_fresh(farm_store *s, int packing) {
   while (s->cursor[packing] < s->nspaces) {
     int k = s->cursor[packing]++;
     const space *w = s->spaces + k;
@@ -194,29 +194,29 @@ static int find_fresh(farm_store *s, int packing) {
   return -1;
 }
 
-static gh_status choose(farm_store *s, const farm_task *task, int *chosen) {
+static gh_status space_choose(farm_store *s, const farm_task *task, int *chosen) {
   int before = task->from == FARM_FRESH ? -1 : s->slots[task->from].space;
   if (before >= 0 && s->spaces[before].packing == task->packing && s->spaces[before].ticket <= s->round &&
       s->spaces[before].rve)
     return *chosen = before, GH_OK;
-  *chosen = task->from == FARM_FRESH ? find_fresh(s, task->packing) : -1;
+  *chosen = task->from == FARM_FRESH ? space_find_fresh(s, task->packing) : -1;
   if (*chosen >= 0) return GH_OK;
-  if (full(s)) *chosen = pick(s, task->packing);
+  if (store_is_full(s)) *chosen = space_pick(s, task->packing);
   if (*chosen >= 0 && s->spaces[*chosen].rve) return GH_OK;
-  if (*chosen < 0 && full(s)) *chosen = pick(s, -1);
+  if (*chosen < 0 && store_is_full(s)) *chosen = space_pick(s, -1);
   if (*chosen < 0) {
     GH_TRY(gh_grow(s->ctx, (size_t)s->nspaces + 1, sizeof *s->spaces, &s->space_capacity, &s->spaces));
     s->spaces[ *chosen = s->nspaces++] = (space){0};
   }
   space *w = s->spaces + *chosen;
-  clear_space(s, w);
-  return make_space(s, task->packing, w);
+  space_clear(s, w);
+  return space_make(s, task->packing, w);
 }
 
 gh_status farm_store_check(farm_store *s) {
   for (int k = 0; k < s->npackings; k++) {
     space w = {0};
-    gh_status status = make_space(s, k, &w);
+    gh_status status = space_make(s, k, &w);
     s->bytes -= w.bytes;
     gh_rve_destroy(&w.rve);
     GH_TRY(status);
@@ -238,7 +238,7 @@ void farm_store_begin(farm_store *s) {
   memset(s->cursor, 0, (size_t)s->npackings * sizeof *s->cursor);
 }
 
-static gh_status load(farm_store *s, const farm_task *task, space *w) {
+static gh_status space_load(farm_store *s, const farm_task *task, space *w) {
   const slot *from = task->from == FARM_FRESH ? s->fresh + task->packing : s->slots + task->from;
   if (w->loaded == from->version) return GH_OK;
   w->loaded = 0;
@@ -247,15 +247,15 @@ static gh_status load(farm_store *s, const farm_task *task, space *w) {
   return GH_OK;
 }
 
-static gh_status evaluate(farm_store *s, const farm_task *task, gh_rve *rve, unsigned want, double *P,
-                          double *A) {
+static gh_status space_evaluate(farm_store *s, const farm_task *task, gh_rve *rve, unsigned want, double *P,
+                                double *A) {
   const double *near = NULL;
   size_t size = 0;
   if (task->near != FARM_FRESH) GH_TRY(farm_store_get(s, task->near, &near, &size));
   return gh_rve_evaluate_near(rve, task->F, near, size, want, P, A);
 }
 
-static gh_status check_task(farm_store *s, const farm_task *task) {
+static gh_status task_check(farm_store *s, const farm_task *task) {
   const double *state;
   size_t size;
   if (task->packing < 0 || task->packing >= s->npackings)
@@ -264,8 +264,8 @@ static gh_status check_task(farm_store *s, const farm_task *task) {
 }
 
 /* The first evaluation of an RVE takes its work memory too. */
-static void measure_memory(farm_store *s, space *w, double before) {
-  double bytes = fmax(heap() - before, 0);
+static void memory_measure(farm_store *s, space *w, double before) {
+  double bytes = fmax(memory_in_use() - before, 0);
   w->bytes += bytes;
   s->bytes += bytes;
 }
@@ -273,15 +273,15 @@ static void measure_memory(farm_store *s, space *w, double before) {
 gh_status farm_store_evaluate(farm_store *s, const farm_task *task, unsigned want, farm_answer *a) {
   int k;
   double begin = processor_seconds();
-  GH_TRY(check_task(s, task));
-  GH_TRY(choose(s, task, &k));
+  GH_TRY(task_check(s, task));
+  GH_TRY(space_choose(s, task, &k));
   space *w = s->spaces + k;
   bool first = w->ticket == 0;
-  double before = first ? heap() : 0;
+  double before = first ? memory_in_use() : 0;
   w->ticket = ++s->ticket;
-  GH_TRY(load(s, task, w));
-  gh_status status = evaluate(s, task, w->rve, want, a->P, a->A);
-  if (first) measure_memory(s, w, before);
+  GH_TRY(space_load(s, task, w));
+  gh_status status = space_evaluate(s, task, w->rve, want, a->P, a->A);
+  if (first) memory_measure(s, w, before);
   GH_TRY(status);
   double *state;
   GH_TRY(farm_store_put(s, task->to, gh_rve_trial_size(w->rve), &state));
@@ -296,23 +296,23 @@ gh_status farm_store_evaluate(farm_store *s, const farm_task *task, unsigned wan
 gh_status farm_store_look(farm_store *s, const farm_task *task, gh_rve_view *view) {
   int k;
   double P[4];
-  GH_TRY(check_task(s, task));
+  GH_TRY(task_check(s, task));
   if (task->to >= 0 && (size_t)task->to < s->nslots) {
     const slot *q = s->slots + task->to;
     if (q->ticket > 0 && s->spaces[q->space].ticket == q->ticket)
       return gh_rve_look(s->spaces[q->space].rve, view);
   }
-  GH_TRY(choose(s, task, &k));
+  GH_TRY(space_choose(s, task, &k));
   s->spaces[k].ticket = ++s->ticket;
-  GH_TRY(load(s, task, s->spaces + k));
-  GH_TRY(evaluate(s, task, s->spaces[k].rve, 0, P, NULL));
+  GH_TRY(space_load(s, task, s->spaces + k));
+  GH_TRY(space_evaluate(s, task, s->spaces[k].rve, 0, P, NULL));
   return gh_rve_look(s->spaces[k].rve, view);
 }
 
 void farm_store_costs(const farm_store *s, gh_rve_cost *sum) {
   gh_rve_cost_add(sum, &s->off);
   for (int k = 0; k < s->nspaces; k++)
-    if (s->spaces[k].rve) add_cost(sum, s->spaces[k].rve);
+    if (s->spaces[k].rve) cost_add(sum, s->spaces[k].rve);
 }
 
 int farm_store_residents(const farm_store *s, double *bytes) {

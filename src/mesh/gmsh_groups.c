@@ -5,7 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-static int by_value(const void *p, const void *q) {
+static int int_compare(const void *p, const void *q) {
   return *(const int *)p - *(const int *)q;
 }
 
@@ -15,7 +15,7 @@ typedef struct member { /* a line or a point in one of its physical groups */
 } member;
 
 /* Lines before points, groups in the order of their numbers, elements in that of the file. */
-static int by_group(const void *p, const void *q) {
+static int member_compare(const void *p, const void *q) {
   const member *a = p, *b = q;
   if (a->dim != b->dim) return b->dim - a->dim;
   if (a->tag != b->tag) return a->tag < b->tag ? -1 : 1;
@@ -23,7 +23,7 @@ static int by_group(const void *p, const void *q) {
 }
 
 /* All members of all groups, sorted. A line may be listed twice in a group. */
-static gh_status list_members(const gh_msh *g, member **members, int *n) {
+static gh_status members_list(const gh_msh *g, member **members, int *n) {
   size_t all = 0;
   *n = 0;
   for (int c = 0; c < g->ncells; c++)
@@ -39,12 +39,12 @@ static gh_status list_members(const gh_msh *g, member **members, int *n) {
     for (int k = 0; k < cell->group[1]; k++)
       (*members)[(*n)++] = (member){cell->nnodes - 1, c, g->groups[cell->group[0] + k]};
   }
-  if (*n > 0) qsort(*members, (size_t)*n, sizeof **members, by_group);
+  if (*n > 0) qsort(*members, (size_t)*n, sizeof **members, member_compare);
   return GH_OK;
 }
 
 /* Nodes and edges of one physical group. Nodes that no quadrilateral uses are not in the mesh. */
-static gh_status fill_set(gh_msh *g, const member *members, int n, const gh_mesh_edge *outer, int nouter,
+static gh_status set_fill(gh_msh *g, const member *members, int n, const gh_mesh_edge *outer, int nouter,
                           gh_mesh_set *set) {
   GH_TRY(gh_alloc(g->s.ctx, 2 * (size_t)n, sizeof *set->nodes, &set->nodes));
   GH_TRY(gh_alloc(g->s.ctx, (size_t)n, sizeof *set->edges, &set->edges));
@@ -62,7 +62,7 @@ static gh_status fill_set(gh_msh *g, const member *members, int n, const gh_mesh
     set->edges[set->nedges][0] = found->a;
     set->edges[set->nedges++][1] = found->b;
   }
-  if (set->nnodes > 0) qsort(set->nodes, (size_t)set->nnodes, sizeof *set->nodes, by_value);
+  if (set->nnodes > 0) qsort(set->nodes, (size_t)set->nnodes, sizeof *set->nodes, int_compare);
   int kept = 0;
   for (int k = 0; k < set->nnodes; k++)
     if (kept == 0 || set->nodes[k] != set->nodes[kept - 1]) set->nodes[kept++] = set->nodes[k];
@@ -70,7 +70,7 @@ static gh_status fill_set(gh_msh *g, const member *members, int n, const gh_mesh
   return GH_OK;
 }
 
-static gh_status name_set(gh_msh *g, int dim, long tag, gh_mesh_set *set) {
+static gh_status set_name(gh_msh *g, int dim, long tag, gh_mesh_set *set) {
   char number[32];
   snprintf(number, sizeof number, "%ld", tag);
   int k = gh_msh_find(g->names, g->nnames, sizeof *g->names, dim, tag);
@@ -81,11 +81,11 @@ static gh_status name_set(gh_msh *g, int dim, long tag, gh_mesh_set *set) {
 }
 
 /* The set of the n members of one group, unless the mesh has none of its nodes. */
-static gh_status add_set(gh_msh *g, const member *members, int n, const gh_mesh_edge *outer, int nouter,
+static gh_status set_add(gh_msh *g, const member *members, int n, const gh_mesh_edge *outer, int nouter,
                          gh_mesh *mesh) {
   gh_mesh_set set = {0};
-  gh_status status = fill_set(g, members, n, outer, nouter, &set);
-  if (status == GH_OK && set.nnodes > 0) status = name_set(g, members->dim, members->tag, &set);
+  gh_status status = set_fill(g, members, n, outer, nouter, &set);
+  if (status == GH_OK && set.nnodes > 0) status = set_name(g, members->dim, members->tag, &set);
   if (status != GH_OK || set.nnodes == 0) {
     free(set.nodes);
     free(set.edges);
@@ -96,16 +96,16 @@ static gh_status add_set(gh_msh *g, const member *members, int n, const gh_mesh_
   return GH_OK;
 }
 
-static int by_name(const void *p, const void *q) {
+static int name_compare(const void *p, const void *q) {
   return strcmp(*(char *const *)p, *(char *const *)q);
 }
 
 /* Sets are looked up by their names. */
-static gh_status check_names(const gh_msh *g, const gh_mesh *mesh) {
+static gh_status names_check(const gh_msh *g, const gh_mesh *mesh) {
   const char **names;
   GH_TRY(gh_alloc(g->s.ctx, (size_t)mesh->nsets, sizeof *names, &names));
   for (int k = 0; k < mesh->nsets; k++) names[k] = mesh->sets[k].name;
-  if (mesh->nsets > 0) qsort(names, (size_t)mesh->nsets, sizeof *names, by_name);
+  if (mesh->nsets > 0) qsort(names, (size_t)mesh->nsets, sizeof *names, name_compare);
   gh_status status = GH_OK;
   char quoted[GH_QUOTE];
   for (int k = 1; k < mesh->nsets && status == GH_OK; k++)
@@ -123,7 +123,7 @@ gh_status gh_msh_sets(gh_msh *g, gh_mesh *mesh) {
   gh_status status;
   GH_TRY_OR(gh_mesh_boundary_edges(g->s.ctx, mesh->nelements, (const int(*)[4])mesh->quad, &outer, &nouter),
             done);
-  GH_TRY_OR(list_members(g, &members, &n), done);
+  GH_TRY_OR(members_list(g, &members, &n), done);
   for (int k = 0; k < n; k++)
     groups += k == 0 || members[k].dim != members[k - 1].dim || members[k].tag != members[k - 1].tag;
   GH_TRY_OR(gh_alloc(g->s.ctx, (size_t)groups, sizeof *mesh->sets, &mesh->sets), done);
@@ -131,9 +131,9 @@ gh_status gh_msh_sets(gh_msh *g, gh_mesh *mesh) {
     for (next = k + 1;
          next < n && members[next].dim == members[k].dim && members[next].tag == members[k].tag;)
       next++;
-    GH_TRY_OR(add_set(g, members + k, next - k, outer, nouter, mesh), done);
+    GH_TRY_OR(set_add(g, members + k, next - k, outer, nouter, mesh), done);
   }
-  status = check_names(g, mesh);
+  status = names_check(g, mesh);
 done:
   free(outer);
   free(members);

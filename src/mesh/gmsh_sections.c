@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-static int by_key(const void *p, const void *q) {
+static int key_compare(const void *p, const void *q) {
   const gh_msh_key *a = p, *b = q;
   if (a->dim != b->dim) return a->dim - b->dim;
   if (a->tag != b->tag) return a->tag < b->tag ? -1 : 1;
@@ -18,7 +18,7 @@ int gh_msh_find(const void *objects, int n, size_t size, int dim, long tag) {
   int low = 0, high = n; /* those below low are at most `last` */
   while (low < high) {
     int middle = low + (high - low) / 2;
-    if (by_key((const char *)objects + (size_t)middle * size, &last) <= 0) low = middle + 1;
+    if (key_compare((const char *)objects + (size_t)middle * size, &last) <= 0) low = middle + 1;
     else high = middle;
   }
   if (low == 0) return -1;
@@ -26,7 +26,7 @@ int gh_msh_find(const void *objects, int n, size_t size, int dim, long tag) {
   return found->dim == dim && found->tag == tag ? low - 1 : -1;
 }
 
-static gh_status add_group(gh_msh *g, long tag) {
+static gh_status group_add(gh_msh *g, long tag) {
   GH_TRY(gh_grow(g->s.ctx, (size_t)g->ngroups + 1, sizeof *g->groups, &g->cap_groups, &g->groups));
   g->groups[g->ngroups++] = labs(tag); /* the sign is an orientation */
   return GH_OK;
@@ -36,7 +36,7 @@ static const char how_to_save[] =
     "2.2 and 4.1 ASCII are read; save it as one of them (gmsh FILE -save -format msh41 -o NEW.msh, or "
     "Mesh.MshFileVersion = 4.1)";
 
-static gh_status read_format(gh_msh *g) {
+static gh_status format_read(gh_msh *g) {
   gh_msh_words *s = &g->s;
   char quoted[GH_QUOTE];
   long binary, size;
@@ -51,7 +51,7 @@ static gh_status read_format(gh_msh *g) {
   return gh_msh_integer(s, "the data size", 1, 16, &size);
 }
 
-static gh_status read_names(gh_msh *g) {
+static gh_status names_read(gh_msh *g) {
   gh_msh_words *s = &g->s;
   long n, dim, tag;
   GH_TRY(gh_msh_count(s, "number of physical names", &n));
@@ -66,49 +66,49 @@ static gh_status read_names(gh_msh *g) {
     strcpy(name->text, s->word);
     g->nnames++;
   }
-  if (g->nnames > 0) qsort(g->names, (size_t)g->nnames, sizeof *g->names, by_key);
+  if (g->nnames > 0) qsort(g->names, (size_t)g->nnames, sizeof *g->names, key_compare);
   return GH_OK;
 }
 
-static gh_status skip_numbers(gh_msh *g, long n) {
+static gh_status numbers_skip(gh_msh *g, long n) {
   double ignored;
   for (long k = 0; k < n; k++) GH_TRY(gh_msh_number(&g->s, "a number of an entity", &ignored));
   return GH_OK;
 }
 
 /* $Entities: the physical groups of points, curves and surfaces. */
-static gh_status read_entities(gh_msh *g) {
+static gh_status entities_read(gh_msh *g) {
   gh_msh_words *s = &g->s;
   long n[4], tag, m, group;
   for (int dim = 0; dim < 4; dim++) GH_TRY(gh_msh_count(s, "number of entities", n + dim));
   for (int dim = 0; dim < 4; dim++)
     for (long k = 0; k < n[dim]; k++) {
       GH_TRY(gh_msh_integer(s, "tag of an entity", LONG_MIN, LONG_MAX, &tag));
-      GH_TRY(skip_numbers(g, dim == 0 ? 3 : 6)); /* position or bounding box */
+      GH_TRY(numbers_skip(g, dim == 0 ? 3 : 6)); /* position or bounding box */
       GH_TRY(gh_msh_count(s, "number of physical groups", &m));
       GH_TRY(gh_grow(s->ctx, (size_t)g->nentities + 1, sizeof *g->entities, &g->cap_entities, &g->entities));
       g->entities[g->nentities] = (gh_msh_entity){{dim, g->nentities, tag}, {g->ngroups, (int)m}};
       g->nentities++;
       for (long j = 0; j < m; j++) {
         GH_TRY(gh_msh_integer(s, "number of a physical group", LONG_MIN / 2, LONG_MAX / 2, &group));
-        GH_TRY(add_group(g, group));
+        GH_TRY(group_add(g, group));
       }
       if (dim == 0) continue;
       GH_TRY(gh_msh_count(s, "number of bounding entities", &m));
-      GH_TRY(skip_numbers(g, m));
+      GH_TRY(numbers_skip(g, m));
     }
-  if (g->nentities > 0) qsort(g->entities, (size_t)g->nentities, sizeof *g->entities, by_key);
+  if (g->nentities > 0) qsort(g->entities, (size_t)g->nentities, sizeof *g->entities, key_compare);
   return GH_OK;
 }
 
-static gh_status add_node(gh_msh *g, long id, int line, gh_msh_node **node) {
+static gh_status node_add(gh_msh *g, long id, int line, gh_msh_node **node) {
   GH_TRY(gh_grow(g->s.ctx, (size_t)g->nnodes + 1, sizeof *g->nodes, &g->cap_nodes, &g->nodes));
   *node = g->nodes + g->nnodes++;
   **node = (gh_msh_node){.id = id, .line = line, .index = -1};
   return GH_OK;
 }
 
-static gh_status read_position(gh_msh *g, gh_msh_node *node) {
+static gh_status position_read(gh_msh *g, gh_msh_node *node) {
   gh_msh_words *s = &g->s;
   double z;
   GH_TRY(gh_msh_number(s, "x of a node", node->x));
@@ -122,24 +122,24 @@ static gh_status read_position(gh_msh *g, gh_msh_node *node) {
 
 /* parametric: $ParametricNodes, in which a node also has the dimension and tag of its entity and its
  * parameters there, one on a curve and two on a surface. */
-static gh_status read_nodes_2(gh_msh *g, bool parametric) {
+static gh_status nodes_read_2(gh_msh *g, bool parametric) {
   gh_msh_words *s = &g->s;
   long n, id, dim, tag;
   gh_msh_node *node;
   GH_TRY(gh_msh_count(s, "number of nodes", &n));
   for (long k = 0; k < n; k++) {
     GH_TRY(gh_msh_integer(s, "number of a node", LONG_MIN, LONG_MAX, &id));
-    GH_TRY(add_node(g, id, s->line, &node));
-    GH_TRY(read_position(g, node));
+    GH_TRY(node_add(g, id, s->line, &node));
+    GH_TRY(position_read(g, node));
     if (!parametric) continue;
     GH_TRY(gh_msh_integer(s, "dimension of a node's entity", 0, 3, &dim));
     GH_TRY(gh_msh_integer(s, "tag of a node's entity", LONG_MIN, LONG_MAX, &tag));
-    GH_TRY(skip_numbers(g, dim < 3 ? dim : 0));
+    GH_TRY(numbers_skip(g, dim < 3 ? dim : 0));
   }
   return GH_OK;
 }
 
-static gh_status read_nodes_4(gh_msh *g) {
+static gh_status nodes_read_4(gh_msh *g) {
   gh_msh_words *s = &g->s;
   long blocks, total, ignored, dim, parametric, n, id;
   GH_TRY(gh_msh_count(s, "number of node blocks", &blocks));
@@ -155,11 +155,11 @@ static gh_status read_nodes_4(gh_msh *g) {
     gh_msh_node *node;
     for (long k = 0; k < n; k++) {
       GH_TRY(gh_msh_integer(s, "number of a node", LONG_MIN, LONG_MAX, &id));
-      GH_TRY(add_node(g, id, s->line, &node));
+      GH_TRY(node_add(g, id, s->line, &node));
     }
     for (long k = 0; k < n; k++) {
-      GH_TRY(read_position(g, g->nodes + first + k));
-      GH_TRY(skip_numbers(g, parametric ? dim : 0));
+      GH_TRY(position_read(g, g->nodes + first + k));
+      GH_TRY(numbers_skip(g, parametric ? dim : 0));
     }
   }
   if (total != g->nnodes) return GH_MSH_FAIL(s, "%d nodes where %ld are announced", g->nnodes, total);
@@ -208,19 +208,19 @@ static gh_status cell_size(const gh_msh_words *s, long type, int *n) {
       type, advice);
 }
 
-static gh_status add_cell(gh_msh *g, const gh_msh_cell *cell) {
+static gh_status cell_add(gh_msh *g, const gh_msh_cell *cell) {
   GH_TRY(gh_grow(g->s.ctx, (size_t)g->ncells + 1, sizeof *g->cells, &g->cap_cells, &g->cells));
   g->cells[g->ncells++] = *cell;
   return GH_OK;
 }
 
-static gh_status read_corners(gh_msh *g, gh_msh_cell *cell) {
+static gh_status corners_read(gh_msh *g, gh_msh_cell *cell) {
   for (int a = 0; a < cell->nnodes; a++)
     GH_TRY(gh_msh_integer(&g->s, "node of an element", LONG_MIN, LONG_MAX, cell->node + a));
-  return add_cell(g, cell);
+  return cell_add(g, cell);
 }
 
-static gh_status read_elements_2(gh_msh *g) {
+static gh_status elements_read_2(gh_msh *g) {
   gh_msh_words *s = &g->s;
   long n, type, ntags, tag;
   GH_TRY(gh_msh_count(s, "number of elements", &n));
@@ -235,15 +235,15 @@ static gh_status read_elements_2(gh_msh *g) {
     for (long j = 0; j < ntags; j++) {
       GH_TRY(gh_msh_integer(s, "tag of an element", LONG_MIN / 2, LONG_MAX / 2, &tag));
       if (j > 0 || tag == 0) continue; /* the first is the physical group, 0 means none */
-      GH_TRY(add_group(g, tag));
+      GH_TRY(group_add(g, tag));
       cell.group[1] = 1;
     }
-    GH_TRY(read_corners(g, &cell));
+    GH_TRY(corners_read(g, &cell));
   }
   return GH_OK;
 }
 
-static gh_status read_elements_4(gh_msh *g) {
+static gh_status elements_read_4(gh_msh *g) {
   gh_msh_words *s = &g->s;
   long blocks, total, ignored, dim, tag, type, n;
   int first = g->ncells;
@@ -263,7 +263,7 @@ static gh_status read_elements_4(gh_msh *g) {
     for (long k = 0; k < n; k++) {
       GH_TRY(gh_msh_integer(s, "number of an element", LONG_MIN, LONG_MAX, &cell.id));
       cell.line = s->line;
-      GH_TRY(read_corners(g, &cell));
+      GH_TRY(corners_read(g, &cell));
     }
   }
   if (total != g->ncells - first)
@@ -271,16 +271,16 @@ static gh_status read_elements_4(gh_msh *g) {
   return GH_OK;
 }
 
-static gh_status read_section(gh_msh *g, const char *name) {
+static gh_status section_read(gh_msh *g, const char *name) {
   gh_msh_words *s = &g->s;
   bool second =
       (g->nnames && strcmp(name, "PhysicalNames") == 0) || (g->nentities && strcmp(name, "Entities") == 0);
   if (second) return GH_MSH_FAIL(s, "a second section $%s", name);
-  if (strcmp(name, "PhysicalNames") == 0) GH_TRY(read_names(g));
-  else if (strcmp(name, "Entities") == 0 && g->v4) GH_TRY(read_entities(g));
-  else if (strcmp(name, "Nodes") == 0) GH_TRY(g->v4 ? read_nodes_4(g) : read_nodes_2(g, false));
-  else if (strcmp(name, "ParametricNodes") == 0 && !g->v4) GH_TRY(read_nodes_2(g, true));
-  else if (strcmp(name, "Elements") == 0) GH_TRY(g->v4 ? read_elements_4(g) : read_elements_2(g));
+  if (strcmp(name, "PhysicalNames") == 0) GH_TRY(names_read(g));
+  else if (strcmp(name, "Entities") == 0 && g->v4) GH_TRY(entities_read(g));
+  else if (strcmp(name, "Nodes") == 0) GH_TRY(g->v4 ? nodes_read_4(g) : nodes_read_2(g, false));
+  else if (strcmp(name, "ParametricNodes") == 0 && !g->v4) GH_TRY(nodes_read_2(g, true));
+  else if (strcmp(name, "Elements") == 0) GH_TRY(g->v4 ? elements_read_4(g) : elements_read_2(g));
   else if (strcmp(name, "PartitionedEntities") == 0)
     return GH_MSH_FAIL(s, "%s",
                        "a partitioned mesh; save it without partitions (in Gmsh: UnpartitionMesh, or without "
@@ -290,7 +290,7 @@ static gh_status read_section(gh_msh *g, const char *name) {
 }
 
 /* The word that opens a section, without its dollar. */
-static gh_status section_name(const gh_msh_words *s, char name[64]) {
+static gh_status section_read_name(const gh_msh_words *s, char name[64]) {
   char quoted[GH_QUOTE];
   if (s->word[0] != '$' || !s->word[1] || strlen(s->word) >= 64)
     return GH_MSH_FAIL(s, "\"%s\" where a section should begin", gh_quote(s->word, quoted));
@@ -299,7 +299,7 @@ static gh_status section_name(const gh_msh_words *s, char name[64]) {
 }
 
 /* On to the section $MeshFormat; comments may stand before it. */
-static gh_status find_format(gh_msh *g) {
+static gh_status format_find(gh_msh *g) {
   gh_msh_words *s = &g->s;
   char name[64];
   while (gh_msh_next(s)) {
@@ -311,7 +311,7 @@ static gh_status find_format(gh_msh *g) {
       return GH_MSH_FAIL(s, "%s", "a Gmsh geometry and no mesh; gmsh -2 FILE.geo makes FILE.msh");
     if (s->word[0] != '$' || strcmp(s->word, "$Nodes") == 0 || strcmp(s->word, "$Elements") == 0)
       return GH_MSH_FAIL(s, "%s", "no Gmsh file: it does not begin with $MeshFormat");
-    GH_TRY(section_name(s, name));
+    GH_TRY(section_read_name(s, name));
     GH_TRY(gh_msh_skip(s, name));
   }
   return GH_MSH_FAIL(s, "%s", "no Gmsh file: it holds no $MeshFormat, only blank lines and comments");
@@ -321,12 +321,12 @@ gh_status gh_msh_read(gh_msh *g) {
   gh_msh_words *s = &g->s;
   char name[64];
   GH_TRY(gh_msh_open(s));
-  GH_TRY(find_format(g));
-  GH_TRY(read_format(g));
+  GH_TRY(format_find(g));
+  GH_TRY(format_read(g));
   GH_TRY(gh_msh_end(s, "MeshFormat"));
   while (gh_msh_next(s)) {
-    GH_TRY(section_name(s, name));
-    GH_TRY(read_section(g, name));
+    GH_TRY(section_read_name(s, name));
+    GH_TRY(section_read(g, name));
   }
   return GH_OK;
 }

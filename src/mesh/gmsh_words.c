@@ -60,20 +60,20 @@ gh_status gh_msh_count(gh_msh_words *s, const char *what, long *value) {
   return GH_OK;
 }
 
-static bool ends_section(const char *word, const char *section) {
+static bool word_ends_section(const char *word, const char *section) {
   return strncmp(word, "$End", 4) == 0 && strcmp(word + 4, section) == 0;
 }
 
 gh_status gh_msh_end(gh_msh_words *s, const char *section) {
   char quoted[GH_QUOTE];
   GH_TRY(gh_msh_word(s, "the end of a section"));
-  if (ends_section(s->word, section)) return GH_OK;
+  if (word_ends_section(s->word, section)) return GH_OK;
   return GH_MSH_FAIL(s, "\"%s\" where $End%s should stand", gh_quote(s->word, quoted), section);
 }
 
 gh_status gh_msh_skip(gh_msh_words *s, const char *section) {
   int line = s->line;
   while (gh_msh_next(s))
-    if (ends_section(s->word, section)) return GH_OK;
+    if (word_ends_section(s->word, section)) return GH_OK;
   return gh_fail(s->ctx, GH_INPUT, "%s:%d: $%s has no $End%s (truncated?)", s->path, line, section, section);
 }

@@ -7,7 +7,7 @@
 #include <string.h>
 
 /* Twice the area of the triangle a b c. */
-static double turn(const double a[2], const double b[2], const double c[2]) {
+static double triangle_twice_area(const double a[2], const double b[2], const double c[2]) {
   return (b[0] - a[0]) * (c[1] - b[1]) - (b[1] - a[1]) * (c[0] - b[0]);
 }
 
@@ -16,7 +16,7 @@ bool gh_quad_convex(const double x[4][2]) {
    * inside. The margin keeps corners of 180 degrees out whatever the round-off. */
   double diagonal = hypot(x[2][0] - x[0][0], x[2][1] - x[0][1]) * hypot(x[3][0] - x[1][0], x[3][1] - x[1][1]);
   for (int a = 0; a < 4; a++)
-    if (!(turn(x[(a + 3) % 4], x[a], x[(a + 1) % 4]) > 1e-12 * diagonal)) return false;
+    if (!(triangle_twice_area(x[(a + 3) % 4], x[a], x[(a + 1) % 4]) > 1e-12 * diagonal)) return false;
   return true;
 }
 
@@ -83,8 +83,8 @@ void gh_mesh_destroy(gh_mesh **mesh) {
 
 /* A side of the rectangle: n edges, nodes first, first + stride, ...; reversed where the body would be on the
  * right. */
-static gh_status side(gh_context *ctx, gh_mesh_set *set, const char *name, int n, int first, int stride,
-                      bool reversed) {
+static gh_status rectangle_add_side(gh_context *ctx, gh_mesh_set *set, const char *name, int n, int first,
+                                    int stride, bool reversed) {
   GH_TRY(gh_alloc(ctx, strlen(name) + 1, 1, &set->name));
   strcpy(set->name, name);
   GH_TRY(gh_alloc(ctx, (size_t)n + 1, sizeof *set->nodes, &set->nodes));
@@ -99,7 +99,7 @@ static gh_status side(gh_context *ctx, gh_mesh_set *set, const char *name, int n
   return GH_OK;
 }
 
-static gh_status fill_rectangle(gh_context *ctx, const double low[2], const double size[2], const int n[2],
+static gh_status rectangle_fill(gh_context *ctx, const double low[2], const double size[2], const int n[2],
                                 gh_mesh *m) {
   int row = n[0] + 1;
   m->nnodes = row * (n[1] + 1);
@@ -118,10 +118,10 @@ static gh_status fill_rectangle(gh_context *ctx, const double low[2], const doub
       int a = j * row + i, corner[4] = {a, a + 1, a + 1 + row, a + row};
       memcpy(m->quad[e], corner, sizeof corner);
     }
-  GH_TRY(side(ctx, m->sets + 0, "left", n[1], 0, row, true));
-  GH_TRY(side(ctx, m->sets + 1, "right", n[1], n[0], row, false));
-  GH_TRY(side(ctx, m->sets + 2, "bottom", n[0], 0, 1, false));
-  return side(ctx, m->sets + 3, "top", n[0], n[1] * row, 1, true);
+  GH_TRY(rectangle_add_side(ctx, m->sets + 0, "left", n[1], 0, row, true));
+  GH_TRY(rectangle_add_side(ctx, m->sets + 1, "right", n[1], n[0], row, false));
+  GH_TRY(rectangle_add_side(ctx, m->sets + 2, "bottom", n[0], 0, 1, false));
+  return rectangle_add_side(ctx, m->sets + 3, "top", n[0], n[1] * row, 1, true);
 }
 
 gh_status gh_mesh_rectangle(gh_context *ctx, const double low[2], const double size[2], const int elements[2],
@@ -139,7 +139,7 @@ gh_status gh_mesh_rectangle(gh_context *ctx, const double low[2], const double s
   if ((elements[0] + 1.0) * (elements[1] + 1.0) * 32 > INT_MAX)
     return gh_fail(ctx, GH_INPUT, "rectangle: %d x %d elements are too many", elements[0], elements[1]);
   GH_TRY(gh_alloc(ctx, 1, sizeof **mesh, mesh));
-  gh_status status = fill_rectangle(ctx, low, size, elements, *mesh);
+  gh_status status = rectangle_fill(ctx, low, size, elements, *mesh);
   if (status == GH_OK) status = gh_mesh_check(ctx, *mesh);
   if (status != GH_OK) gh_mesh_destroy(mesh);
   return status;

@@ -4,7 +4,7 @@
 static const double pi = 3.14159265358979323846;
 
 /* Smaller eigenvalue of the symmetric part of Q_ik = A_iJkL N_J N_L for N = (cos a, sin a). */
-static double eigenvalue(const double A[16], double a) {
+static double acoustic_eigenvalue(const double A[16], double a) {
   double N[2] = {cos(a), sin(a)}, Q[4] = {0};
   for (int n = 0; n < 16; n++) Q[2 * (n >> 3) + (n >> 1 & 1)] += A[n] * N[n >> 2 & 1] * N[n & 1];
   double q = (Q[1] + Q[2]) / 2;
@@ -17,16 +17,16 @@ double gh_acoustic(const double A[16], double *angle) {
   int best = 0;
   double value[SCAN];
   for (int k = 0; k < SCAN; k++) {
-    value[k] = eigenvalue(A, pi * k / SCAN);
+    value[k] = acoustic_eigenvalue(A, pi * k / SCAN);
     if (value[k] < value[best]) best = k;
   }
   double low = pi * (best - 1) / SCAN, high = pi * (best + 1) / SCAN;
   while (high - low > 1e-8) { /* golden section between the neighbours of the smallest */
     double a = high - golden * (high - low), b = low + golden * (high - low);
-    if (eigenvalue(A, a) < eigenvalue(A, b)) high = b;
+    if (acoustic_eigenvalue(A, a) < acoustic_eigenvalue(A, b)) high = b;
     else low = a;
   }
   *angle = (low + high) / 2;
   if (*angle < 0) *angle += pi;
-  return fmin(eigenvalue(A, (low + high) / 2), value[best]);
+  return fmin(acoustic_eigenvalue(A, (low + high) / 2), value[best]);
 }

@@ -59,7 +59,7 @@ double gh_limits_pressure(const gh_rve_measures *m) {
 }
 
 /* A stiffness that was not given is the first thing to inspect. */
-static const char *default_note(const gh_rve_options *o) {
+static const char *limit_default_note(const gh_rve_options *o) {
   const bool is_default = o->law.normal_stiffness == gh_rve_defaults().law.normal_stiffness;
   return is_default ? " (the default where none is given)" : "";
 }
@@ -77,7 +77,7 @@ static gh_status limit_refuse(gh_context *ctx, const gh_rve_options *o, const gh
       ctx, GH_LIMIT,
       "%s: %s is %.4g, above the limit %.4g, where the mean stress is %.3g, %.3g of the normal "
       "stiffness %g%s: %s. `contact: {allow_overlap: true}` or --allow-overlap computes such states",
-      where, what, value, limit, gh_limits_pressure(m), gh_limits_pressure(m) / E, E, default_note(o),
+      where, what, value, limit, gh_limits_pressure(m), gh_limits_pressure(m) / E, E, limit_default_note(o),
       limit_cause(o));
 }
 
@@ -104,7 +104,7 @@ void gh_limits_warn(gh_context *ctx, const gh_rve_options *o, const char *where,
       "%s: the mean overlap is %.3g of the mean radius, above %.3g, where the mean stress is %.3g, %.3g of "
       "the normal stiffness %g%s. The contact law is for stiff grains: %s",
       where, overlap, l.overlap_warned, pressure, pressure / o->law.normal_stiffness, o->law.normal_stiffness,
-      default_note(o), limit_cause(o));
+      limit_default_note(o), limit_cause(o));
 }
 
 bool gh_limits_is_warning(const char *line) {
@@ -133,12 +133,12 @@ gh_status gh_limits_check_stress(gh_context *ctx, const gh_rve_options *o, const
         ctx, GH_INPUT,
         "%s: %s is %.3g of the normal stiffness %g%s, above the limit %g: grains would be squeezed "
         "flat; %s",
-        where, what, fabs(ratio), E, default_note(o), l.stress, units_cause);
+        where, what, fabs(ratio), E, limit_default_note(o), l.stress, units_cause);
   if (fabs(ratio) > l.stress_warned && !*warned) {
     gh_log(ctx, GH_LEVEL_WARNING,
            "%s: %s is %.3g of the normal stiffness %g%s, above %g: overlaps will be about that share of the "
            "diameter; %s",
-           where, what, fabs(ratio), E, default_note(o), l.stress_warned, units_cause);
+           where, what, fabs(ratio), E, limit_default_note(o), l.stress_warned, units_cause);
     *warned = true;
   }
   return GH_OK;

@@ -32,7 +32,7 @@ void gh_rattlers_destroy(gh_rattlers **rattlers) {
 }
 
 /* Lists for each grain its contacts: contact number c as seen from i is 2c, as seen from j 2c+1. */
-static gh_status link_contacts(gh_context *ctx, gh_rattlers *r, int n, const gh_contact *contacts,
+static gh_status contacts_link(gh_context *ctx, gh_rattlers *r, int n, const gh_contact *contacts,
                                int ncontacts) {
   GH_TRY(gh_grow(ctx, 2 * (size_t)ncontacts + 1, sizeof(int), &r->link_capacity, &r->link));
   GH_TRY(gh_grow(ctx, 2 * (size_t)ncontacts + 1, sizeof(double), &r->angle_capacity, &r->angle));
@@ -51,7 +51,8 @@ static gh_status link_contacts(gh_context *ctx, gh_rattlers *r, int n, const gh_
 
 /* Angles of the contacts of grain i with grains that are no rattlers, ascending; returns their number, *force
  * the largest contact force. */
-static int angles(const gh_rattlers *r, int i, const gh_contact *contacts, double *angle, double *force) {
+static int contacts_find_angles(const gh_rattlers *r, int i, const gh_contact *contacts, double *angle,
+                                double *force) {
   int count = 0;
   *force = 0;
   for (int p = r->start[i]; p < r->start[i + 1]; p++) {
@@ -67,9 +68,9 @@ static int angles(const gh_rattlers *r, int i, const gh_contact *contacts, doubl
   return count;
 }
 
-static bool is_rattler(const gh_rattlers *r, int i, const gh_contact *contacts, double mean_force) {
+static bool grain_is_rattler(const gh_rattlers *r, int i, const gh_contact *contacts, double mean_force) {
   double *angle = r->angle, force;
-  int count = angles(r, i, contacts, angle, &force);
+  int count = contacts_find_angles(r, i, contacts, angle, &force);
   if (count < 2) return true;
   double gap = angle[0] + 2 * pi - angle[count - 1];
   for (int q = 1; q < count; q++) gap = gh_max(gap, angle[q] - angle[q - 1]);
@@ -78,13 +79,13 @@ static bool is_rattler(const gh_rattlers *r, int i, const gh_contact *contacts, 
 
 gh_status gh_rattlers_find(gh_context *ctx, gh_rattlers *r, int n, const unsigned char *held,
                            const gh_contact *contacts, int ncontacts, double mean_force, int *count) {
-  GH_TRY(link_contacts(ctx, r, n, contacts, ncontacts));
+  GH_TRY(contacts_link(ctx, r, n, contacts, ncontacts));
   for (int i = 0; i < n; i++) r->flag[i] = 0;
   *count = 0;
   for (bool repeat = true; repeat;) {
     repeat = false;
     for (int i = 0; i < n; i++) {
-      if (r->flag[i] || (held && held[i]) || !is_rattler(r, i, contacts, mean_force)) continue;
+      if (r->flag[i] || (held && held[i]) || !grain_is_rattler(r, i, contacts, mean_force)) continue;
       r->flag[i] = 1;
       ++*count;
       repeat = true;

@@ -18,7 +18,7 @@ static const double nearly = 3;
 static const double tight = 1e-6;
 
 /* A substep from the converged state to the share `end` of the path. */
-static gh_status reach_part(gh_rve *rve, gh_rve_way *w, double end, double A[16]) {
+static gh_status path_reach_substep(gh_rve *rve, gh_rve_way *w, double end, double A[16]) {
   double F[4], P[4];
   const bool last = end == 1;
   for (int k = 0; k < 4; k++) F[k] = last ? w->to[k] : w->from[k] + end * (w->to[k] - w->from[k]);
@@ -36,7 +36,7 @@ gh_status gh_rve_reach(gh_rve *rve, gh_rve_way *w, double A[16]) {
   w->parts = w->cuts = 0;
   for (int level = w->halvings; t < 1;) {
     rve->accept_within = level == deepest && rve->options.tolerance <= tight ? nearly : 0;
-    gh_status status = reach_part(rve, w, t + dt, A);
+    gh_status status = path_reach_substep(rve, w, t + dt, A);
     rve->accept_within = 0;
     if (status == GH_DIVERGED && level < deepest) {
       GH_TRY(gh_rve_revert(rve));
