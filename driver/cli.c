@@ -94,8 +94,14 @@ gh_status cli_print(gh_context *ctx, const gh_text *text) {
   GH_TRY(gh_text_check(text));
   const char *bytes = gh_text_get(text, &length);
   if (fwrite(bytes, 1, length, stdout) == length && fflush(stdout) == 0) return GH_OK;
-  clearerr(stdout); /* it has been told */
+  clearerr(stdout); /* it has been reported */
   return gh_fail(ctx, GH_SYSTEM, "standard output cannot be written");
+}
+
+gh_status cli_print_last(gh_context *ctx, gh_text **text) {
+  const gh_status status = cli_rank() == 0 ? cli_print(ctx, *text) : GH_OK;
+  gh_text_destroy(text);
+  return status;
 }
 
 int cli_usage(const cli_command *command, const char *format, ...) {
@@ -107,36 +113,6 @@ int cli_usage(const cli_command *command, const char *format, ...) {
   fprintf(stderr, "\nTry `granhom help %s`.\n", command->name);
   va_end(args);
   return 2;
-}
-
-int cli_boundary(const cli_command *command, const char *text, gh_boundary *boundary) {
-  if (gh_boundary_from_name(text, boundary)) return 0;
-  return cli_usage(command, "--boundary is taylor, taylor-cell, restricted or periodic, not \"%s\"", text);
-}
-
-int cli_engine(const cli_command *command, const char *text, gh_engine_kind *engine) {
-  if (!strcmp(text, "lammps")) return *engine = GH_ENGINE_LAMMPS, 0;
-  if (!strcmp(text, "native")) return *engine = GH_ENGINE_NATIVE, 0;
-  return cli_usage(command, "--engine is lammps or native, not \"%s\"", text);
-}
-
-int cli_relaxation(const cli_command *command, const char *text, gh_relaxation *relaxation) {
-  if (gh_relaxation_from_name(text, relaxation)) return 0;
-  return cli_usage(command, "--relaxation is polished, damped or fire, not \"%s\"", text);
-}
-
-int cli_positive(const cli_command *command, const char *option, const char *text, double below,
-                 double *value) {
-  if (!gh_parse_number(text, value) || !(*value > 0))
-    return cli_usage(command, "%s must be a positive number, not \"%s\"", option, text);
-  if (*value < below) return 0;
-  return cli_usage(command, "%s must be below %g, not %g", option, below, *value);
-}
-
-int cli_integer(const cli_command *command, const char *option, const char *text, long low, long high,
-                long *value) {
-  if (gh_parse_integer(text, low, high, value)) return 0;
-  return cli_usage(command, "%s must be an integer from %ld to %ld, not \"%s\"", option, low, high, text);
 }
 
 gh_status cli_finish(gh_context *ctx, gh_status status, gh_status (*last)(void *data, bool good),

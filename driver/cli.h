@@ -2,15 +2,29 @@
 #ifndef GRANHOM_CLI_H
 #define GRANHOM_CLI_H
 
+#include "options.h"
+
 #include "granhom/base.h"
 #include "granhom/io.h"
 #include "granhom/micro.h"
 
-/* A subcommand: its words, its help and the function that does it. argv[0] is the subcommand's name. Returns
- * the exit status. */
+/* A subcommand. What it is given goes into a struct of its own, which `defaults` fills first; then its rows
+ * of options say where. One operand (a file or folder) is its subject. */
 typedef struct cli_command {
-  const char *name, *summary, *help; /* help: usage and every option */
-  int (*run)(int argc, char **argv);
+  const char *name, *summary, *usage, *about,
+      *notes; /* about, notes: above and below the options in the help */
+  const option_group *options;
+  const char *noun, *missing; /* of the operand; missing: the message, NULL where it may be left out */
+  size_t operand;             /* place of the operand, a const char * in the arguments */
+  size_t size;                /* of the arguments */
+  void (*defaults)(void *arguments);
+  gh_status (*prepare)(gh_context *ctx, void *arguments); /* after the operand, before the options; or NULL */
+  gh_status (*check)(gh_context *ctx, void *arguments); /* options that exclude or need each other; or NULL */
+  gh_status (*work)(gh_context *ctx, void *arguments);
+  void (*release)(void *arguments); /* of what `prepare` and `check` own; or NULL */
+  bool ranks;                       /* runs on the ranks of mpirun, of which one speaks */
+  int (*run)(int argc,
+             char **argv); /* instead of all this: the exit status; argv[0] is the subcommand's name */
 } cli_command;
 extern const cli_command cli_run, cli_rve, cli_element, cli_study, cli_crosscheck, cli_pack, cli_plot,
     cli_report, cli_lammps;
@@ -20,8 +34,8 @@ extern const cli_command cli_run, cli_rve, cli_element, cli_study, cli_crosschec
 gh_context *cli_open(void);
 /* Only warnings and errors from now on (--quiet). */
 void cli_quiet(gh_context *ctx);
-/* From now on the first SIGINT or SIGTERM is a request, which cli_stop tells; the second ends the program at
- * once: files on disk are whole at any time. */
+/* From now on the first SIGINT or SIGTERM is a request, which cli_stop reports; the second ends the program
+ * at once: files on disk are whole at any time. */
 void cli_catch_signals(void);
 bool cli_stop(void *data);
 /* Of this process among those of mpirun; 0 without. */
@@ -31,6 +45,11 @@ int cli_rank(void);
 int cli_close(gh_context *ctx, gh_status s);
 /* Writes a text on standard output. GH_MEMORY: the text is incomplete; GH_SYSTEM: it cannot be written. */
 gh_status cli_print(gh_context *ctx, const gh_text *text);
+/* The same on rank 0, and destroys the text. */
+gh_status cli_print_last(gh_context *ctx, gh_text **text);
+/* Runs a command with its arguments, argv[0] its name; the exit status. */
+int cli_command_run(const cli_command *command, int argc, char **argv);
+void cli_help(FILE *out, const cli_command *command);
 /* Prints "granhom NAME: message" and how to get help; returns 2. */
 int cli_usage(const cli_command *command, const char *format, ...) GH_PRINTF(2, 3);
 /* For commands that may need MPI (ranks, LAMMPS, HDF5): MPI_Init where mpirun or a batch system has started
@@ -46,16 +65,6 @@ int cli_share(int value);
 /* Ends all ranks. */
 void cli_abort(int code);
 
-/* Values of --boundary, --engine and --relaxation. 0, or 2 after a message. */
-int cli_boundary(const cli_command *command, const char *text, gh_boundary *boundary);
-int cli_engine(const cli_command *command, const char *text, gh_engine_kind *engine);
-int cli_relaxation(const cli_command *command, const char *text, gh_relaxation *relaxation);
-/* The value of an option that is a number above 0 and below `below`. 0, or 2 after a message. */
-int cli_positive(const cli_command *command, const char *option, const char *text, double below,
-                 double *value);
-/* ... that is an integer from low to high. */
-int cli_integer(const cli_command *command, const char *option, const char *text, long low, long high,
-                long *value);
 /* Whether files (NULL and "-": none) can be written, before anything is computed. GH_INPUT: one is named
  * twice. */
 gh_status cli_check_outputs(gh_context *ctx, const char *const *path, int count);
@@ -66,11 +75,8 @@ gh_status cli_check_inputs_kept(gh_context *ctx, const char *const *output, int 
 /* Wrong input writes nothing. What shows itself only after rows of results are there is no longer that, but a
  * computation that came no further: the rows before it are written, and the exit status is 1. */
 gh_status cli_end_of_rows(gh_status status, long rows);
-#define CLI_RELAXATION_HELP                                                                                  \
-  "  --relaxation WORD      polished (default): damped central differences, then Newton where it is safe;\n" \
-  "                         damped: damped central differences alone; fire: FIRE alone\n"
 /* What comes last whether the work before it succeeded or not: last(data, status == GH_OK). The message of
- * the first failure stays the one that is told, and its status is returned. */
+ * the first failure stays the one that is reported, and its status is returned. */
 gh_status cli_finish(gh_context *ctx, gh_status status, gh_status (*last)(void *data, bool good), void *data);
 
 #endif

@@ -1,11 +1,12 @@
 /* granhom element: one material point under prescribed stresses and strains. SPDX-License-Identifier:
  * GPL-2.0-or-later */
 #include "cli.h"
-#include "contact_options.h"
 #include "element_spec.h"
+#include "packing_options.h"
 #include "reference.h"
 #include "rve_doubts.h"
 #include "rve_state.h"
+#include "rve_table.h"
 
 #include "granhom/io.h"
 #include "granhom/limits.h"
@@ -13,51 +14,14 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const char help[] =
-    "usage: granhom element PACKING --control SPEC.yaml [options] [-o OUT.csv]\n"
-    "       granhom element PACKING --path TABLE.csv [options] [-o OUT.csv]\n"
-    "\n"
-    "An element test: any mix of stresses and strains is prescribed for one packing, and F is found.\n"
-    "\n"
-    "  --control FILE         YAML: steps: [{name, increments, control: {...}, until: {...}}, ...]. A "
-    "step's\n"
-    "                         control names three conditions, or four; each is a number, which it goes to\n"
-    "                         linearly, or hold, {to: x}, {by: x} or {times: x}. Conditions are F11 F12 F21\n"
-    "                         F22, volume (det F), Cauchy stresses s11 s12 s22, pressure (-(s11 + s22)/2),\n"
-    "                         Piola stresses P11 P12 P21 P22, and sums: \"s22 - 0.5 s11\". With three, F21 "
-    "is\n"
-    "                         held: what is horizontal stays so. `until: {s12: 0.05}` ends a step early;\n"
-    "                         {repeat: N, steps: [...]} repeats steps\n"
-    "  --path FILE            CSV: a column for each of the conditions, a row of targets per increment;\n"
-    "                         - is standard input\n"
-    "  -o, --output FILE      results (default: standard output)\n"
-    "  --boundary NAME        taylor, taylor-cell, restricted or periodic (default), as in granhom rve\n"
-    "  --engine NAME          lammps (default) or native\n" CONTACT_HELP
-    "  --tolerance T          largest force on a grain over the mean contact force (default "
-    "1e-10)\n" CLI_RELAXATION_HELP
-    "  --stress-tolerance T   lack of a prescribed stress over the largest stress (default 1e-6)\n"
-    "  --max-steps N          relaxation steps after which an evaluation has failed (default 400000)\n"
-    "  --accept FORCE         ... unless no grain is then out of balance by more than FORCE\n"
-    "  --cut-steps N          how often a failing increment is halved, 0 to 30 (default 6)\n"
-    "  --stop-at-jumps        fail where a jump of the packing, or a limit load, has no equilibrium near,\n"
-    "                         instead of passing it by servo control\n"
-    "  --save-state FILE      converged state at the end (HDF5), for --load-state here and in granhom rve\n"
-    "  --load-state FILE      start from such a state instead of the packing as read\n"
-    "\n"
-    "The results have the columns of granhom rve and: load_step, volume, pressure, iterations (evaluations "
-    "of\n"
-    "the packing), parts, cuts, jumps, mismatch (lack of the prescribed stresses over the largest stress).\n"
-    "Row 0 is the start: the packing as read, in equilibrium.\n"
-    "\n"
-    "Exit status: 0 done, 1 an increment did not converge (the rows before it are written), 2 wrong input.\n";
-
 static const double WRITE_EVERY = 2; /* seconds */
 
 typedef struct arguments {
-  const char *packing, *control, *path, *output, *save, *load;
-  gh_rve_options rve;
+  packing_options p;
+  state_options state;
+  const char *control, *path, *output;
   gh_control_options options;
-  contact_options contact;
+  bool stop_at_jumps;
 } arguments;
 
 typedef struct job {
@@ -76,97 +40,82 @@ typedef struct job {
 
 /* ---- options ---- */
 
-static int parse_text(int c, arguments *a) {
-  const char **const texts[] = {
-      ['c'] = &a->control, ['p'] = &a->path, ['o'] = &a->output, ['s'] = &a->save, ['l'] = &a->load};
-  *texts[c] = optarg;
-  return 0;
-}
+static const option_row file_rows[] = {
+    {.name = "control",
+     .argument = "FILE",
+     .kind = OPTION_TEXT,
+     .place = offsetof(arguments, control),
+     .help = "YAML: steps: [{name, increments, control: {...}, until: {...}}, ...]. A step's control names "
+             "three conditions, or four; each is a number, which it goes to linearly, or hold, {to: x}, "
+             "{by: x} or {times: x}. Conditions are F11 F12 F21 F22, volume (det F), Cauchy stresses s11 s12 "
+             "s22, pressure (-(s11 + s22)/2), Piola stresses P11 P12 P21 P22, and sums: \"s22 - 0.5 s11\". "
+             "With three, F21 is fixed: what is horizontal stays so. `until: {s12: 0.05}` ends a step early; "
+             "{repeat: N, steps: [...]} repeats steps"},
+    {.name = "path",
+     .argument = "FILE",
+     .kind = OPTION_TEXT,
+     .place = offsetof(arguments, path),
+     .help = "CSV: a column for each of the conditions, a row of targets per increment; - is standard input"},
+    {.name = "output",
+     .letter = 'o',
+     .argument = "FILE",
+     .kind = OPTION_TEXT,
+     .place = offsetof(arguments, output),
+     .standard = "standard output",
+     .help = "results"},
+    {0}};
 
-static int parse_option(int c, void *data) {
+static const option_row control_rows[] = {
+    {.name = "stress-tolerance",
+     .argument = "T",
+     .kind = OPTION_NUMBER,
+     .below = 1,
+     .place = offsetof(arguments, options.tolerance),
+     .help = "lack of a prescribed stress over the largest stress"},
+    {.name = "cut-steps",
+     .argument = "N",
+     .kind = OPTION_INTEGER,
+     .high = 30,
+     .place = offsetof(arguments, options.cut_steps),
+     .help = "depth to which a failing increment is bisected, 0 to 30"},
+    {.name = "stop-at-jumps",
+     .kind = OPTION_FLAG,
+     .place = offsetof(arguments, stop_at_jumps),
+     .help = "fails at an instability of the packing, or a limit load, that has no equilibrium near, instead "
+             "of stepping over it by servo control"},
+    {0}};
+
+static void arguments_default(void *data) {
   arguments *a = data;
-  long number;
-  int status;
-  switch (c) {
-  case 'T':
-    return cli_positive(&cli_element, "--tolerance", optarg, 1, &a->rve.tolerance);
-  case 'S':
-    return cli_positive(&cli_element, "--stress-tolerance", optarg, 1, &a->options.tolerance);
-  case 'n':
-    return cli_integer(&cli_element, "--max-steps", optarg, 1, 1000000000, &a->rve.max_steps);
-  case 'A':
-    return cli_positive(&cli_element, "--accept", optarg, INFINITY, &a->rve.accept);
-  case 'k':
-    status = cli_integer(&cli_element, "--cut-steps", optarg, 0, 30, &number);
-    if (!status) a->options.cut_steps = (int)number;
-    return status;
-  case 'j':
-    return a->options.pass_jumps = false, 0;
-  case 'b':
-    return cli_boundary(&cli_element, optarg, &a->rve.boundary);
-  case 'r':
-    return cli_relaxation(&cli_element, optarg, &a->rve.relaxation);
-  case 'e':
-    return cli_engine(&cli_element, optarg, &a->rve.engine);
-  default:
-    return parse_text(c, a);
-  }
+  packing_defaults(&a->p);
+  a->p.rve.tolerance = 1e-10;
+  a->options = gh_control_defaults();
 }
 
-static int parse(int argc, char **argv, arguments *a) {
-  static const struct option options[] = {{"control", 1, 0, 'c'},
-                                          {"path", 1, 0, 'p'},
-                                          {"output", 1, 0, 'o'},
-                                          {"boundary", 1, 0, 'b'},
-                                          {"engine", 1, 0, 'e'},
-                                          {"tolerance", 1, 0, 'T'},
-                                          {"accept", 1, 0, 'A'},
-                                          {"max-steps", 1, 0, 'n'},
-                                          {"cut-steps", 1, 0, 'k'},
-                                          {"stress-tolerance", 1, 0, 'S'},
-                                          {"save-state", 1, 0, 's'},
-                                          {"load-state", 1, 0, 'l'},
-                                          {"stop-at-jumps", 0, 0, 'j'},
-                                          {"relaxation", 1, 0, 'r'},
-                                          CONTACT_OPTIONS,
-                                          {0, 0, 0, 0}};
-  *a = (arguments){.rve = gh_rve_defaults(), .options = gh_control_defaults()};
-  a->rve.tolerance = 1e-10;
-  int status =
-      contact_arguments(&cli_element, argc, argv, options, &a->contact, parse_option, a, &a->packing);
-  if (status) return status;
+static gh_status arguments_check(gh_context *ctx, void *data) {
+  arguments *a = data;
   if (!a->control == !a->path)
-    return cli_usage(&cli_element, "give one of --control and --path, which say what is prescribed");
-  status = contact_law(&cli_element, &a->contact, &a->rve.law);
-  a->rve.allow_overlap = contact_allowed(&a->contact);
-  a->options.stiffness = a->rve.law.normal_stiffness;
-  return status;
+    return gh_fail(ctx, GH_INPUT, "give one of --control and --path, which say what is prescribed");
+  GH_TRY(packing_check(ctx, &a->p));
+  a->options.stiffness = a->p.rve.law.normal_stiffness;
+  a->options.pass_jumps = !a->stop_at_jumps;
+  return GH_OK;
 }
 
 /* ---- results ---- */
 
 static void write_header(job *j) {
-  gh_terms_header(j->out, columns_point, ",");
+  rve_table_header(j->out, j->args->p.rve.law.friction);
   gh_text_print(j->out, ",");
-  if (j->args->rve.law.friction) {
-    gh_terms_header(j->out, columns_friction, ",");
-    gh_text_print(j->out, ",");
-  }
   gh_terms_header(j->out, columns_control, ",");
   gh_text_print(j->out, "\n");
 }
 
 static gh_status write_row(job *j, int load_step, const gh_control_report *r, double seconds) {
   const gh_rve_measures *m = gh_rve_measure(j->rve);
-  const double *const blocks[] = {m->F, m->P, m->cauchy};
   size_t row;
   gh_text_get(j->out, &row);
-  gh_text_print(j->out, "%d", j->row);
-  for (int b = 0; b < 3; b++)
-    for (int k = 0; k < 4; k++) gh_text_print(j->out, ",%.17g", blocks[b][k]);
-  gh_text_print(j->out, ",%.17g,%d,%d,%.17g,%.6g", m->energy, m->contacts, m->rattlers, m->residual, seconds);
-  if (j->args->rve.law.friction)
-    gh_text_print(j->out, ",%.17g,%.17g,%d", m->energy_t, m->dissipation, m->sliding);
+  rve_table_row(j->out, j->row, m, seconds, j->args->p.rve.law.friction);
   gh_text_print(j->out, ",%d,%.17g,%.17g,%d,%d,%d,%d,%.6g\n", load_step, gh_det2(m->F),
                 -(m->cauchy[0] + m->cauchy[3]) / 2, r->iterations, r->parts, r->cuts, r->jumps, r->mismatch);
   GH_TRY(gh_text_check_row(j->out, row, j->args->output ? j->args->output : "the result"));
@@ -180,10 +129,8 @@ static gh_status write_row(job *j, int load_step, const gh_control_report *r, do
 /* The file appears whole, the first time after the first increment, so that wrong input writes nothing; a
  * killed run leaves what it had. */
 static gh_status write_file(job *j, bool last) {
-  const char *path = j->args->output;
   j->written = gh_seconds();
-  if (path && strcmp(path, "-")) return gh_text_commit(j->out, path);
-  return last ? cli_print(j->ctx, j->out) : GH_OK;
+  return rve_table_write(j->ctx, j->out, j->args->output, last);
 }
 
 /* ---- the test ---- */
@@ -198,7 +145,7 @@ static gh_status check_target(job *j, const element_step *s, int k, double from,
   char where[512];
   if (s->way[k] == ELEMENT_TO || s->line[k] == 0 || fabs(to) <= 1e-4 * fabs(from)) return GH_OK;
   snprintf(where, sizeof where, "%s:%d", j->spec.path, s->line[k]);
-  gh_status status = element_check_target(j->ctx, where, &s->condition[k], to, &j->args->rve,
+  gh_status status = element_check_target(j->ctx, where, &s->condition[k], to, &j->args->p.rve,
                                           gh_packing_volume_fraction(j->packing), &j->warned);
   if (status == GH_OK) return GH_OK;
   char *message = strdup(gh_message(j->ctx)); /* the rows before are on disk: no wrong input any more */
@@ -224,7 +171,7 @@ static bool beyond(const job *j, const element_step *s) {
 }
 
 static gh_status check_state(job *j) {
-  return gh_limits_check(j->ctx, &j->args->rve, gh_rve_measure(j->rve), "the packing", &j->warned);
+  return gh_limits_check(j->ctx, &j->args->p.rve, gh_rve_measure(j->rve), "the packing", &j->warned);
 }
 
 static gh_status increment(job *j, const element_step *s, int number, int k, const double from[4],
@@ -279,23 +226,23 @@ static gh_status walk(job *j) {
 static gh_status write_last(void *data, bool good) {
   job *j = data;
   GH_TRY(write_file(j, true));
-  if (!good || !j->args->save) return GH_OK;
-  return rve_state_save(j->ctx, j->args->save, j->rve, &j->args->rve, j->packing);
+  if (!good || !j->args->state.save) return GH_OK;
+  return rve_state_save(j->ctx, j->args->state.save, j->rve, &j->args->p.rve, j->packing);
 }
 
 static gh_status element(job *j) {
   const arguments *a = j->args;
   GH_TRY(a->control ? element_spec_read(j->ctx, a->control, &j->spec)
                     : element_spec_read_path(j->ctx, a->path, &j->spec));
-  GH_TRY(gh_packing_read(j->ctx, a->packing, &j->packing));
-  GH_TRY(cli_check_outputs(j->ctx, (const char *const[]){a->output, a->save}, 2));
-  GH_TRY(cli_check_inputs_kept(j->ctx, (const char *const[]){a->output, a->save}, 2,
-                               (const char *const[]){a->packing, a->control, a->path, a->load}, 4));
-  GH_TRY(element_spec_check(j->ctx, &j->spec, &a->rve, j->packing, a->load != NULL));
-  contact_note(j->ctx, &a->contact, &a->rve.law);
+  GH_TRY(gh_packing_read(j->ctx, a->p.packing, &j->packing));
+  GH_TRY(cli_check_outputs(j->ctx, (const char *const[]){a->output, a->state.save}, 2));
+  GH_TRY(cli_check_inputs_kept(j->ctx, (const char *const[]){a->output, a->state.save}, 2,
+                               (const char *const[]){a->p.packing, a->control, a->path, a->state.load}, 4));
+  GH_TRY(element_spec_check(j->ctx, &j->spec, &a->p.rve, j->packing, a->state.load != NULL));
+  packing_note(j->ctx, &a->p);
   GH_TRY(cli_mpi(j->ctx, true));
-  GH_TRY(gh_rve_create(j->ctx, j->packing, &a->rve, &j->rve));
-  if (a->load) GH_TRY(rve_state_load(j->ctx, a->load, j->rve, &a->rve, j->packing));
+  GH_TRY(gh_rve_create(j->ctx, j->packing, &a->p.rve, &j->rve));
+  if (a->state.load) GH_TRY(rve_state_load(j->ctx, a->state.load, j->rve, &a->p.rve, j->packing));
   GH_TRY(gh_control_create_rve(j->ctx, j->rve, &a->options, &j->control));
   gh_control_set_count(j->control, count_part, j);
   GH_TRY(gh_text_create(j->ctx, &j->out));
@@ -305,20 +252,43 @@ static gh_status element(job *j) {
   return status == GH_INPUT ? status : cli_finish(j->ctx, status, write_last, j);
 }
 
-static int run(int argc, char **argv) {
-  arguments args;
-  int usage = parse(argc, argv, &args);
-  if (usage) return usage;
-  job j = {.ctx = cli_open(), .args = &args};
-  if (!j.ctx) return 1;
+static gh_status element_work(gh_context *ctx, void *data) {
+  job j = {.ctx = ctx, .args = data};
   gh_status status = element(&j);
   gh_control_destroy(&j.control);
   gh_rve_destroy(&j.rve);
   gh_text_destroy(&j.out);
   element_spec_free(&j.spec);
   gh_packing_destroy(&j.packing);
-  return cli_close(j.ctx, status);
+  return status;
 }
 
-const cli_command cli_element = {"element", "element test: a packing under prescribed stresses and strains",
-                                 help, run};
+const cli_command cli_element = {
+    .name = "element",
+    .summary = "element test: a packing under prescribed stresses and strains",
+    .usage = "usage: granhom element PACKING --control SPEC.yaml [options] [-o OUT.csv]\n"
+             "       granhom element PACKING --path TABLE.csv [options] [-o OUT.csv]\n",
+    .about =
+        "An element test: any mix of stresses and strains is prescribed for one packing, and F is found.\n",
+    .notes =
+        "The results have the columns of granhom rve and: load_step, volume, pressure, iterations "
+        "(evaluations of the packing), parts (substeps), cuts (bisections), jumps (instabilities stepped "
+        "over), mismatch (lack of the prescribed stresses over the largest stress). Row 0 is the start: the "
+        "packing as read, in equilibrium.\n\n"
+        "Exit status: 0 done, 1 an increment did not converge (the rows before it are written), 2 wrong "
+        "input.\n",
+    .options = (const option_group[]){{file_rows, 0},
+                                      {packing_condition_rows, offsetof(arguments, p)},
+                                      {packing_contact_rows, offsetof(arguments, p)},
+                                      {packing_solver_rows, offsetof(arguments, p)},
+                                      {packing_accept_rows, offsetof(arguments, p)},
+                                      {control_rows, 0},
+                                      {packing_state_rows, offsetof(arguments, state)},
+                                      {0}},
+    .noun = "packing",
+    .missing = "which packing?",
+    .operand = offsetof(arguments, p.packing),
+    .size = sizeof(arguments),
+    .defaults = arguments_default,
+    .check = arguments_check,
+    .work = element_work};

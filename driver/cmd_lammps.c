@@ -27,18 +27,59 @@ static gh_status check_script(gh_context *ctx, const char *path) {
   return cli_share(there) ? GH_OK : gh_fail(ctx, GH_INPUT, "cannot open the input script %s", path);
 }
 
-/* Takes the option, which is not LAMMPS's, off the arguments. */
-static bool take_allow_shell(int *argc, char **argv) {
+static const option_row rows[] = {
+    {.name = "-in",
+     .kind = OPTION_TEXT,
+     .argument = "FILE",
+     .help = "the input script; without it, standard input"},
+    {.name = "-var", .kind = OPTION_TEXT, .argument = "NAME VALUE...", .help = "sets an index variable"},
+    {.name = "-log", .kind = OPTION_TEXT, .argument = "FILE|none", .help = "log file (log.lammps)"},
+    {.name = "-screen",
+     .kind = OPTION_TEXT,
+     .argument = "FILE|none",
+     .help = "screen output (standard output)"},
+    {.name = "-echo", .kind = OPTION_TEXT, .argument = "WORD", .help = "none, screen, log or both"},
+    {.name = "allow-shell",
+     .kind = OPTION_FLAG,
+     .help =
+         "the script may run other programs: the commands shell, python and plugin, Python in variables, "
+         "fixes "
+         "and pair styles, dump movie, models of KIM, and names of compressed files with special characters. "
+         "Without it these are errors. Use it for scripts that you trust."},
+    {0}};
+
+/* Takes --allow-shell, which is not LAMMPS's, off the arguments; *mistyped: a word that is nearly one of
+ * granhom's own. */
+static bool allow_shell_take(int *argc, char **argv, const char **mistyped, const char **meant) {
+  static const char *const own[] = {"--allow-shell", "--help", NULL};
   int kept = 1;
-  for (int k = 1; k < *argc; k++)
-    if (strcmp(argv[k], "--allow-shell")) argv[kept++] = argv[k];
-  bool found = kept < *argc;
+  for (int k = 1; k < *argc; k++) {
+    if (!strcmp(argv[k], own[0])) continue;
+    const char *nearest = strncmp(argv[k], "--", 2) == 0 ? gh_nearest(argv[k], own) : NULL;
+    if (nearest && !*mistyped) *mistyped = argv[k];
+    if (nearest) *meant = nearest;
+    argv[kept++] = argv[k];
+  }
+  const bool found = kept < *argc;
   argv[ *argc = kept] = NULL;
   return found;
 }
 
+/* LAMMPS has a -h of its own, for its own help. */
+static bool help_wanted(int argc, char **argv) {
+  for (int k = 1; k < argc; k++)
+    if (!strcmp(argv[k], "--help")) return true;
+  return argc > 1 && !strcmp(argv[1], "-h");
+}
+
 static int run(int argc, char **argv) {
-  const bool programs = take_allow_shell(&argc, argv);
+  const char *mistyped = NULL, *meant = NULL;
+  if (help_wanted(argc, argv)) {
+    cli_help(stdout, &cli_lammps);
+    return 0;
+  }
+  const bool programs = allow_shell_take(&argc, argv, &mistyped, &meant);
+  if (mistyped) return cli_usage(&cli_lammps, "unknown option %s; did you mean %s?", mistyped, meant);
   gh_context *ctx = cli_open();
   if (!ctx) return 1;
   int exit_status = 0;
@@ -55,31 +96,21 @@ static int run(int argc, char **argv) {
 const cli_command cli_lammps = {
     .name = "lammps",
     .summary = "run a LAMMPS input script with granhom's styles",
-    .help =
-        "usage: granhom lammps -in FILE [options of lmp]\n"
-        "       mpirun -n N granhom lammps -in FILE [options of lmp]\n"
-        "\n"
-        "Runs the input script as LAMMPS's own program lmp does, log.lammps included, with styles of "
-        "its own:\n"
+    .usage = "usage: granhom lammps -in FILE [options of lmp]\n"
+             "       mpirun -n N granhom lammps -in FILE [options of lmp]\n",
+    .about =
+        "Runs the input script as LAMMPS's own program lmp does, log.lammps included, with styles of its "
+        "own:\n"
         "  pair_style granhom/normal           one-sided harmonic normal contact\n"
         "  pair_style granhom/coulomb          the same with Coulomb friction (2d)\n"
         "  fix ID group granhom/relax          dynamic relaxation to a residual\n"
         "  compute ID group granhom/contact/local   the contacts: branch vectors, forces, stiffness, slip\n"
         "  compute ID all granhom/stress       the homogenised stress\n"
         "  compute ID group granhom/tangent    the homogenised tangent (2d)\n"
-        "They are there after `clear` too, and in included files, jumps and loops.\n"
-        "\n"
-        "  -in FILE            the input script; without it, standard input\n"
-        "  -var NAME VALUE...  sets an index variable\n"
-        "  -log FILE|none      log file (log.lammps)\n"
-        "  -screen FILE|none   screen output (standard output)\n"
-        "  -echo none|screen|log|both\n"
-        "  --allow-shell       the script may run other programs: the commands shell, python and plugin,\n"
-        "                      Python in variables, fixes and pair styles, dump movie, models of KIM, and\n"
-        "                      names of compressed files with special characters. Without it these are\n"
-        "                      errors. Use it for scripts that you trust.\n"
-        "and all others of lmp: `granhom lammps -help` lists them.\n"
-        "\n"
-        "Exit status: 0, or that of the script's `quit`; 1 an error of LAMMPS; 2 no such input script.\n"
-        "Example scripts: lammps-inputs/.\n",
+        "They are there after `clear` too, and in included files, jumps and loops.\n",
+    .notes = "All other options are those of lmp: `granhom lammps -help` lists them.\n\n"
+             "Exit status: 0, or that of the script's `quit`; 1 an error of LAMMPS; 2 no such input script.\n"
+             "Example scripts: lammps-inputs/.\n",
+    .options = (const option_group[]){{rows, 0}, {0}},
+    .size = sizeof(const char *),
     .run = run};

@@ -8,94 +8,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const char help[] =
-    "usage: granhom pack SPEC.yaml -o PACKING.data [options]\n"
-    "       granhom pack --sieve SIEVE.csv [--count N] [--dimension 2|3] [--seed S] -o PACKING.data "
-    "[options]\n"
-    "\n"
-    "Grows the grains of a sieve curve in a periodic cell until they jam (event-driven, Lubachevsky and "
-    "Stillinger)\n"
-    "and writes a LAMMPS data file; types are the fractions, from the finest. SPEC.yaml holds options as "
-    "keys\n"
-    "(volume_fraction: 0.8); options on the command line come after it.\n"
-    "\n"
-    "  -o, --output FILE      the packing\n"
-    "  --sieve FILE           CSV with the column diameter and one of count, volume_percent, passing\n"
-    "  --count N              number of grains; default: the counts of the sieve curve\n"
-    "  --dimension D          2 (default) or 3\n"
-    "  --seed S               default 1; the same seed gives the same packing\n"
-    "  --ensemble K           K packings with the seeds S, S+1, ...: PACKING-001.data, PACKING-002.data, "
-    "...\n"
-    "  --picture FILE         .svg or .png\n"
-    "\n"
-    "Growth\n"
-    "  --rate R               growth of the mean diameter over the grains' speed (default 0.001); slower is "
-    "denser and\n"
-    "                         more ordered\n"
-    "  --collision NAME       exchange (3.9, default) or momentum (masses as volumes, momentum is kept)\n"
-    "  --volume-fraction F    stop there; exit status 1 when growth dries up before\n"
-    "  --threshold T          stop when the volume fraction grows by less than T (default 1e-9; 0: never) "
-    "...\n"
-    "  --window C             ... in C collisions per grain (default 1)\n"
-    "  --seconds T            stop growth after this time; --finish takes what it takes after that\n"
-    "  --cell LX,LY[,LZ]      proportions of the cell (its size follows from the grains); default 1,1[,1]\n"
-    "  --tilt XY[,XZ,YZ]      tilts of the cell, in the same units\n"
-    "\n"
-    "Ready for mechanics (two dimensions)\n"
-    "  --finish GOAL          overlap=X (mean overlap over mean radius) or pressure=P: soft grains in "
-    "equilibrium\n"
-    "  --finish-cell NAME     scaled: the cell keeps its shape; relaxed: until the stress is isotropic; auto "
-    "(default):\n"
-    "                         relaxed for a pressure without --anisotropy\n"
-    "  --normal-stiffness E   force per overlap (default 1)\n"
-    "  --anisotropy A         wanted difference of the principal values of the mean n(x)n over contacts\n"
-    "  --engine NAME          native (default) or lammps\n"
-    "\n"
-    "Exit status: 0 done, 1 growth or equilibrium failed, 2 wrong input.\n";
-
-/* ---- options ---- */
-
-/* One word or two words of the command line; *k is moved past them. A SPEC file has been read before. */
-static gh_status take(gh_context *ctx, int argc, char **argv, int *k, pack_spec *spec) {
-  char *word = argv[*k], name[64], where[80];
-  if (word[0] != '-' || !word[1]) return GH_OK; /* the SPEC file */
-  const char *bare = !strcmp(word, "-o") ? "output" : !strncmp(word, "--", 2) ? word + 2 : "";
-  size_t length = strcspn(bare, "=");
-  snprintf(name, sizeof name, "%.*s", (int)(length < sizeof name ? length : 0), bare);
-  if (!pack_spec_knows(name)) return gh_fail(ctx, GH_INPUT, "there is no option '%s'", word);
-  const char *value = bare[length] ? bare + length + 1 : NULL;
-  if (!value && *k + 1 >= argc) return gh_fail(ctx, GH_INPUT, "%s needs a value", word);
-  if (!value) value = argv[++*k];
-  snprintf(where, sizeof where, "--%s", name);
-  return pack_spec_set(ctx, spec, name, where, value);
-}
-
-/* The words that are no options and no values of options: at most one, the SPEC file. */
-static gh_status find_file(gh_context *ctx, int argc, char **argv, const char **file) {
-  *file = NULL;
-  for (int k = 1; k < argc; k++) {
-    if (argv[k][0] == '-' && argv[k][1]) {
-      k += !strchr(argv[k], '=');
-      continue;
-    }
-    if (*file)
-      return gh_fail(ctx, GH_INPUT, "one specification at a time, not '%s' and '%s'", *file, argv[k]);
-    *file = argv[k];
-  }
-  return GH_OK;
-}
-
-static gh_status parse(gh_context *ctx, int argc, char **argv, pack_spec *spec) {
-  const char *file;
-  GH_TRY(find_file(ctx, argc, argv, &file));
-  if (file) GH_TRY(pack_spec_read(ctx, file, spec));
-  for (int k = 1; k < argc; k++) GH_TRY(take(ctx, argc, argv, &k, spec));
-  return pack_spec_complete(ctx, spec);
-}
-
 /* A pressure against the stiffness of the grains (granhom/limits.h). */
 static gh_status check_goal(gh_context *ctx, const pack_spec *spec) {
-  const gh_finish_options *f = &spec->soft_options;
+  const gh_finish_options *f = &spec->soft;
   gh_rve_options o = gh_rve_defaults();
   bool warned = false;
   char what[64];
@@ -148,9 +63,7 @@ static gh_status print_soft(gh_context *ctx, const gh_finish_report *report) {
   gh_text *text;
   GH_TRY(gh_text_create(ctx, &text));
   gh_finish_print(report, text);
-  gh_status status = cli_print(ctx, text);
-  gh_text_destroy(&text);
-  return status;
+  return cli_print_last(ctx, &text);
 }
 
 /* What growth made in the plane, soft where that is asked for, as a packing. */
@@ -163,7 +76,7 @@ static gh_status plane(gh_context *ctx, const pack_spec *spec, const gh_grains *
   if (spec->finish) {
     gh_packing *soft = NULL;
     gh_finish_report report;
-    GH_TRY_OR(gh_finish(ctx, p, &spec->soft_options, &soft, &report), done);
+    GH_TRY_OR(gh_finish(ctx, p, &spec->soft, &soft, &report), done);
     gh_packing_destroy(&p);
     p = soft;
     GH_TRY_OR(print_soft(ctx, &report), done);
@@ -240,9 +153,26 @@ static gh_status prepare(gh_context *ctx, const pack_spec *spec, ingredients *fr
   return status;
 }
 
-static gh_status work(gh_context *ctx, int argc, char **argv, pack_spec *spec) {
+static void arguments_default(void *data) {
+  pack_spec_init(data);
+}
+
+static void arguments_release(void *data) {
+  pack_spec_free(data);
+}
+
+static gh_status file_read(gh_context *ctx, void *data) {
+  pack_spec *spec = data;
+  return spec->file ? pack_spec_read(ctx, spec->file, spec) : GH_OK;
+}
+
+static gh_status arguments_check(gh_context *ctx, void *data) {
+  return pack_spec_complete(ctx, data);
+}
+
+static gh_status pack_work(gh_context *ctx, void *data) {
+  pack_spec *spec = data;
   ingredients from = {0};
-  GH_TRY(parse(ctx, argc, argv, spec));
   GH_TRY(check_goal(ctx, spec));
   GH_TRY(check_files(ctx, spec));
   if (spec->finish) GH_TRY(cli_mpi(ctx, true));
@@ -253,16 +183,24 @@ static gh_status work(gh_context *ctx, int argc, char **argv, pack_spec *spec) {
   return status;
 }
 
-static int run(int argc, char **argv) {
-  if (argc < 2) return cli_usage(&cli_pack, "which grains?");
-  pack_spec spec;
-  pack_spec_init(&spec);
-  gh_context *ctx = cli_open();
-  if (!ctx) return 1;
-  gh_status status = work(ctx, argc, argv, &spec);
-  pack_spec_free(&spec);
-  return cli_close(ctx, status);
-}
-
 const cli_command cli_pack = {
-    .name = "pack", .summary = "grows a packing of grains from a sieve curve", .help = help, .run = run};
+    .name = "pack",
+    .summary = "grows a packing of grains from a sieve curve",
+    .usage = "usage: granhom pack SPEC.yaml -o PACKING.data [options]\n"
+             "       granhom pack --sieve SIEVE.csv [--count N] [--dimension 2|3] [--seed S] -o PACKING.data "
+             "[options]\n",
+    .about =
+        "Grows the grains of a sieve curve in a periodic cell until they jam (event-driven, Lubachevsky and "
+        "Stillinger) and writes a LAMMPS data file; types are the fractions, from the finest. SPEC.yaml "
+        "holds "
+        "options as keys (volume_fraction: 0.8); options on the command line override it.\n",
+    .notes = "Exit status: 0 done, 1 growth or equilibrium failed, 2 wrong input.\n",
+    .options = (const option_group[]){{pack_spec_rows, 0}, {pack_growth_rows, 0}, {pack_soft_rows, 0}, {0}},
+    .noun = "specification",
+    .operand = offsetof(pack_spec, file),
+    .size = sizeof(pack_spec),
+    .defaults = arguments_default,
+    .prepare = file_read,
+    .check = arguments_check,
+    .work = pack_work,
+    .release = arguments_release};

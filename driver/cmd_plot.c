@@ -13,24 +13,32 @@ typedef struct plot_arguments {
   long point; /* -1: the most loaded */
 } plot_arguments;
 
-static int parse(int argc, char **argv, plot_arguments *a) {
-  for (int k = 1; k < argc; k++) {
-    const char *word = argv[k];
-    bool output = strcmp(word, "-o") == 0 || strcmp(word, "--output") == 0,
-         point = strcmp(word, "--point") == 0;
-    if ((output || point) && k + 1 >= argc) return cli_usage(&cli_plot, "%s needs a value", word);
-    if (output) a->folder = argv[++k];
-    else if (point) {
-      if (!gh_parse_integer(argv[++k], 0, 100000000, &a->point))
-        return cli_usage(&cli_plot, "--point '%s' is no number of an integration point", argv[k]);
-    } else if (word[0] == '-' && word[1]) return cli_usage(&cli_plot, "there is no option '%s'", word);
-    else if (a->results)
-      return cli_usage(&cli_plot, "one folder at a time, not '%s' and '%s'", a->results, word);
-    else a->results = word;
-  }
-  if (!a->results) return cli_usage(&cli_plot, "a folder of results is needed");
+static const option_row rows[] = {
+    {.name = "output",
+     .letter = 'o',
+     .argument = "DIR2",
+     .kind = OPTION_TEXT,
+     .place = offsetof(plot_arguments, folder),
+     .standard = "DIR",
+     .help = "folder for the pictures"},
+    {.name = "point",
+     .argument = "N",
+     .kind = OPTION_LONG,
+     .high = 100000000,
+     .place = offsetof(plot_arguments, point),
+     .standard = "the one with the largest von Mises stress among those that are recorded",
+     .help = "integration point for rve.png, counted from 0"},
+    {0}};
+
+static void arguments_default(void *data) {
+  ((plot_arguments *)data)->point = -1;
+}
+
+static gh_status arguments_check(gh_context *ctx, void *data) {
+  plot_arguments *a = data;
+  (void)ctx;
   if (!a->folder) a->folder = a->results;
-  return 0;
+  return GH_OK;
 }
 
 static gh_status rve(gh_context *ctx, const plot_arguments *a, const char *png) {
@@ -77,7 +85,7 @@ static gh_status pictures_choose(gh_context *ctx, const plot_arguments *a, bool 
   return GH_OK;
 }
 
-static gh_status work(gh_context *ctx, const plot_arguments *a) {
+static gh_status pictures_draw(gh_context *ctx, const plot_arguments *a) {
   bool chosen[PICTURES];
   GH_TRY(gh_results_check(ctx, a->results));
   GH_TRY(gh_output_folder_check(ctx, a->folder));
@@ -95,27 +103,25 @@ static gh_status work(gh_context *ctx, const plot_arguments *a) {
   return GH_OK;
 }
 
-static int run(int argc, char **argv) {
-  plot_arguments a = {.point = -1};
-  int code = parse(argc, argv, &a);
-  if (code) return code;
-  gh_context *ctx = cli_open();
-  if (!ctx) return 1;
+static gh_status plot_work(gh_context *ctx, void *data) {
   signal(SIGPIPE, SIG_IGN); /* who reads the list may end early */
-  gh_status status = cli_mpi(ctx, true);
-  if (status == GH_OK) status = work(ctx, &a);
-  return cli_close(ctx, status);
+  GH_TRY(cli_mpi(ctx, true));
+  return pictures_draw(ctx, data);
 }
 
 const cli_command cli_plot = {
     .name = "plot",
     .summary = "draws the results of `granhom run`",
-    .help = "usage: granhom plot DIR [options]\n\n"
-            "  -o DIR2, --output DIR2    folder for the pictures; default: DIR\n"
-            "  --point N                 integration point for rve.png, counted from 0; default: the one "
-            "with the\n"
-            "                            largest von Mises stress among those that are recorded\n\n"
-            "Draws mesh.png (deformed mesh, von Mises stress), rve.png (grains and forces of one integration "
-            "point),\n"
-            "curves.png (force and dilatancy) and convergence.png (residuals). Curves need gnuplot.\n",
-    .run = run};
+    .usage = "usage: granhom plot DIR [options]\n",
+    .about =
+        "Draws mesh.png (deformed mesh, von Mises stress), rve.png (grains and forces of one integration "
+        "point), curves.png (force and dilatancy) and convergence.png (residuals). Curves need gnuplot.\n",
+    .notes = "",
+    .options = (const option_group[]){{rows, 0}, {0}},
+    .noun = "folder",
+    .missing = "a folder of results is needed",
+    .operand = offsetof(plot_arguments, results),
+    .size = sizeof(plot_arguments),
+    .defaults = arguments_default,
+    .check = arguments_check,
+    .work = plot_work};

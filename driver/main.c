@@ -28,60 +28,34 @@ static void print_help(FILE *out) {
                "the input is wrong.\n");
 }
 
-static const cli_command *find(const char *name) {
+static const cli_command *command_find(const char *name) {
   for (int k = 0; k < COMMANDS; k++)
     if (strcmp(commands[k]->name, name) == 0) return commands[k];
   return NULL;
 }
 
-static int least(int a, int b) {
-  return a < b ? a : b;
-}
-
-/* Number of letters to change, add or drop to come from a to b (Levenshtein), for names of at most 31
- * letters. */
-static int distance(const char *a, const char *b) {
-  enum { MOST = 32 };
-  int row[MOST], n = (int)strlen(b);
-  if (n >= MOST || strlen(a) >= MOST) return MOST;
-  for (int j = 0; j <= n; j++) row[j] = j;
-  for (int i = 1; a[i - 1]; i++) {
-    int diagonal = row[0];
-    row[0] = i;
-    for (int j = 1; j <= n; j++) {
-      int change = diagonal + (a[i - 1] != b[j - 1]);
-      diagonal = row[j];
-      row[j] = least(change, least(row[j], row[j - 1]) + 1);
-    }
-  }
-  return row[n];
-}
-
-static int unknown(const char *name) {
-  const char *nearest = "help";
-  for (int k = 0; k < COMMANDS; k++)
-    if (distance(name, commands[k]->name) < distance(name, nearest)) nearest = commands[k]->name;
+static int command_unknown(const char *name) {
+  const char *known[COMMANDS + 2] = {[COMMANDS] = "help"};
+  for (int k = 0; k < COMMANDS; k++) known[k] = commands[k]->name;
+  const char *nearest = gh_nearest(name, known);
   fprintf(stderr, "granhom: there is no command '%s'", name);
-  if (distance(name, nearest) <= 2) fprintf(stderr, "; did you mean '%s'?", nearest);
+  if (nearest) fprintf(stderr, "; did you mean '%s'?", nearest);
   fprintf(stderr, "\nTry `granhom help`.\n");
   return 2;
 }
 
-static int help(int argc, char **argv) {
-  if (argc < 2) {
-    print_help(stdout);
-    return 0;
-  }
-  const int code = reference_help(argv[1], argc > 2 ? argv[2] : NULL);
+static int help_command(const char *name, const char *file) {
+  const int code = name ? reference_help(name, file) : -1;
   if (code >= 0) return code;
-  const cli_command *command = find(argv[1]);
-  if (!command) return unknown(argv[1]);
-  printf("granhom %s: %s\n\n%s", command->name, command->summary, command->help);
+  const cli_command *command = name ? command_find(name) : NULL;
+  if (name && !command && strcmp(name, "help") != 0) return command_unknown(name);
+  if (command) cli_help(stdout, command);
+  else print_help(stdout);
   return 0;
 }
 
 /* Of LAMMPS, what the engine was built with: to ask the library itself takes ten times as long. */
-static int version(void) {
+static int version_print(void) {
   const int lammps = gh_engine_lammps_built();
   printf("granhom %s\nLAMMPS ", GH_VERSION);
   if (lammps > 0) printf("%d\n", lammps);
@@ -101,13 +75,12 @@ static void streams_open(void) {
 static int command_run(int argc, char **argv) {
   const char *word = argv[1];
   if (strcmp(word, "help") == 0 || strcmp(word, "--help") == 0 || strcmp(word, "-h") == 0)
-    return help(argc - 1, argv + 1);
-  if (strcmp(word, "--version") == 0 || strcmp(word, "version") == 0) return version();
-  const cli_command *command = find(word);
-  if (!command) return unknown(word);
-  if (argc > 2 && (strcmp(argv[2], "--help") == 0 || strcmp(argv[2], "-h") == 0))
-    return help(2, (char *[]){argv[2], argv[1], NULL});
-  return command->run(argc - 1, argv + 1);
+    return help_command(argv[2], argv[2] ? argv[3] : NULL);
+  if (strcmp(word, "--version") == 0 || strcmp(word, "version") == 0) return version_print();
+  const cli_command *command = command_find(word);
+  if (!command) return command_unknown(word);
+  if (!command->run && options_help_wanted(argc - 1, argv + 1)) return help_command(word, NULL);
+  return cli_command_run(command, argc - 1, argv + 1);
 }
 
 int main(int argc, char **argv) {

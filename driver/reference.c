@@ -1,5 +1,6 @@
 /* granhom help keys, granhom help columns. SPDX-License-Identifier: GPL-2.0-or-later */
 #include "reference.h"
+#include "pack_spec.h"
 
 #include "granhom/scene.h"
 #include "granhom/study.h"
@@ -15,10 +16,9 @@ static void print_list(gh_text *out, const gh_term_list *list, const char *first
 }
 
 static void print_pack(gh_text *out) {
-  char names[PACK_MOST_KEYS + 1][32];
-  gh_term terms[PACK_MOST_KEYS + 1];
-  pack_spec_terms(names, terms);
-  const gh_term_list list[] = {{"packing file", terms}, {0}};
+  pack_terms t;
+  pack_terms_list(&t);
+  const gh_term_list list[] = {{"packing file", t.terms}, {0}};
   print_list(out, list, "key");
 }
 

@@ -7,11 +7,8 @@
 
 /* columns.c: of granhom rve and element; with friction; of element alone; of --tangent. */
 extern const gh_term columns_point[], columns_friction[], columns_control[], columns_tangent[];
-/* element_spec.c, pack_spec.c: keys of their files. */
+/* element_spec.c: keys of a control file. */
 extern const gh_term element_keys[], element_step_keys[], element_way_keys[], element_repeat_keys[];
-enum { PACK_MOST_KEYS = 31 };
-/* Fills the keys of a packing's file, as they are written there. */
-void pack_spec_terms(char names[PACK_MOST_KEYS + 1][32], gh_term terms[PACK_MOST_KEYS + 1]);
 
 /* granhom help keys|columns [FILE]: tables in Markdown, of which docs/reference is made. The exit status, or
  * -1 where `topic` is none of these. */

@@ -16,6 +16,10 @@ extern "C" {
 bool gh_parse_number(const char *text, double *value);
 bool gh_parse_integer(const char *text, long low, long high, long *value);
 
+/* The word of a NULL-terminated list that a mistyped one is nearest to, by letters to insert, drop or replace;
+ * NULL when none is near (more than 1 + a third of its letters apart). */
+const char *gh_nearest(const char *word, const char *const *known);
+
 /* ---- CSV: a header line and rows of numbers ---- */
 
 typedef struct gh_csv {

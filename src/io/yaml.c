@@ -271,43 +271,16 @@ const char *gh_yaml_kind(gh_yaml_node node) {
   return n->data.scalar.length ? "a single value" : "empty";
 }
 
-/* Edit distance of Levenshtein: how many letters to insert, drop or replace. Names beyond the limit count as
- * far away. */
-static int distance(const char *a, const char *b) {
-  enum { LIMIT = 64 };
-  int row[LIMIT + 1], na = (int)strnlen(a, LIMIT + 1), nb = (int)strnlen(b, LIMIT + 1);
-  if (na > LIMIT || nb > LIMIT) return INT_MAX;
-  for (int j = 0; j <= nb; j++) row[j] = j;
-  for (int i = 1; i <= na; i++) {
-    int diagonal = row[0];
-    row[0] = i;
-    for (int j = 1; j <= nb; j++) {
-      int best = diagonal + (a[i - 1] != b[j - 1]);
-      if (row[j] + 1 < best) best = row[j] + 1;
-      if (row[j - 1] + 1 < best) best = row[j - 1] + 1;
-      diagonal = row[j];
-      row[j] = best;
-    }
-  }
-  return row[nb];
-}
-
 static gh_status fail_key(gh_yaml_node place, const char *key, const char *const *known) {
   char quoted[GH_QUOTE], list[512] = "";
-  const char *nearest = NULL;
-  int least = INT_MAX;
+  const char *nearest = gh_nearest(key, known);
   size_t used = 0;
   for (const char *const *k = known; *k; k++) {
-    int d = distance(key, *k);
-    if (d < least) {
-      least = d;
-      nearest = *k;
-    }
     int n = snprintf(list + used, sizeof list - used, "%s%s", k == known ? "" : ", ", *k);
     used = used + (size_t)n < sizeof list ? used + (size_t)n : sizeof list - 1;
   }
   gh_quote(key, quoted);
-  if (nearest && least <= 1 + (int)strlen(key) / 3)
+  if (nearest)
     return gh_yaml_fail(place, "unknown key '%s', is '%s' meant?", quoted, nearest);
   return gh_yaml_fail(place, "unknown key '%s'; known here: %s", quoted, list);
 }

@@ -87,12 +87,12 @@ o="--path ../path.csv -o out"
 # shellcheck disable=SC2086
 {
   refused "no packing" "which packing?" $o
-  refused "two packings" "one packing is enough" $p $p $o
+  refused "two packings" "one packing at a time" $p $p $o
   refused "no path" "--path is missing" $p -o out
   refused "no folder" "-o is missing" $p --path ../path.csv
   refused "unknown option" "unknown option --engine-list" $p $o --engine-list native
   refused "option without value" "--refine needs a value" $p $o --refine
-  refused "unknown relaxation" '--relaxation is polished, damped or fire, not ""' $p $o --relaxation ""
+  refused "unknown relaxation" '--relaxation must be polished, damped or fire, not ""' $p $o --relaxation ""
   refused "unknown engine" 'not "yade"' $p $o --engines lammps,yade
   refused "empty engine" 'not ""' $p $o --engines lammps,
   refused "one engine" "two or more" $p $o --engines gran

@@ -168,7 +168,7 @@ spec() { # spec TEXT [OPTION...]: a control file of this text
 }
 one() { spec "steps: [{increments: 1, control: $1}]" "${@:2}"; }
 good='{s11: -0.02, s22: -0.02, s12: 0}'
-refused "an unknown relaxation" '--relaxation is polished, damped or fire, not "cg"' element --control table.yaml --relaxation cg
+refused "an unknown relaxation" '--relaxation must be polished, damped or fire, not "cg"' element --control table.yaml --relaxation cg
 refused "neither steps nor table" "give one of --control and --path" element
 refused "both" "give one of --control and --path" element --control table.yaml --path table.csv
 refused "no such file" "none.yaml" element --control none.yaml

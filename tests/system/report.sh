@@ -290,7 +290,7 @@ bad 'a point that does not exist' 'no integration point 8: there are 8' "$good" 
 bad 'a point that is no number' "'x' is no number" "$good" --points 1,x
 bad 'no points' 'holds no number' "$good" --points ,
 bad 'too many points' 'at most 12 points' "$good" --points 0,1,2,3,4,5,6,7,0,1,2,3,4
-bad 'an unknown option' "no option '--foo'" "$good" --foo
+bad 'an unknown option' 'unknown option --foo' "$good" --foo
 damage() { rm -rf "$work/cut"; cp -r "$good" "$work/cut"; }
 damage && head -c 5000 "$good/results.h5" >"$work/cut/results.h5"
 bad 'truncated results.h5' 'cut/results.h5: is damaged: it has 5000 bytes instead of' "$work/cut"

@@ -177,6 +177,6 @@ grep -q '^warning: there is no checkpoint' err; say $? 'and says so'
 same whole r 'with the same result'
 for option in 0 x -1; do
   "$granhom" run all.yaml -o r --checkpoint-every $option 2>err
-  [ $? = 2 ] && grep -q 'is no number of increments' err; say $? "--checkpoint-every $option: exit 2"
+  [ $? = 2 ] && grep -qF -- "--checkpoint-every must be an integer from 1 to 1000000000, not \"$option\"" err; say $? "--checkpoint-every $option: exit 2"
 done
 exit $bad

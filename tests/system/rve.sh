@@ -154,13 +154,13 @@ o="-o out.csv --tangent tan.csv --dump a.dump --save-state s.h5"
 # shellcheck disable=SC2086
 {
   refused "no packing" "which packing?" --path ../path.csv $o
-  refused "two packings" "one packing is enough" $p $p --path ../path.csv $o
+  refused "two packings" "one packing at a time" $p $p --path ../path.csv $o
   refused "no path" "--path is missing" $p $o
   refused "unknown option" "unknown option --boundery" $p --path ../path.csv --boundery taylor $o
   refused "option without value" "--path needs a value" $p $o --path
   refused "unknown boundary condition" 'not "traction"' $p --path ../path.csv --boundary traction $o
   refused "unknown engine" 'not "yade"' $p --path ../path.csv --engine yade $o
-  refused "unknown relaxation" '--relaxation is polished, damped or fire, not "newton"' $p --path ../path.csv --relaxation newton $o
+  refused "unknown relaxation" '--relaxation must be polished, damped or fire, not "newton"' $p --path ../path.csv --relaxation newton $o
   for value in 0 -5 nan inf 1e999 abc 50x ""; do
     refused "stiffness '$value'" "--normal-stiffness must be a positive number, not \"$value\"" $p --path ../path.csv --normal-stiffness "$value" $o
     refused "tolerance '$value'" "--tolerance must be a positive number, not \"$value\"" $p --path ../path.csv --tolerance "$value" $o

@@ -1,0 +1,17 @@
+/* Columns that the tables of granhom rve and granhom element share. SPDX-License-Identifier:
+ * GPL-2.0-or-later */
+#ifndef GRANHOM_RVE_TABLE_H
+#define GRANHOM_RVE_TABLE_H
+
+#include "granhom/io.h"
+#include "granhom/micro.h"
+
+/* Names and values, without the end of the line. Of energy_t, dissipation and sliding with friction alone. */
+void rve_table_header(gh_text *out, bool friction);
+void rve_table_row(gh_text *out, long step, const gh_rve_measures *m, double seconds, bool friction);
+
+/* Writes a table, whole, into its file or, when it is the last time, on standard output (path NULL or "-").
+ * A text that is NULL is none. */
+gh_status rve_table_write(gh_context *ctx, gh_text *text, const char *path, bool last);
+
+#endif
