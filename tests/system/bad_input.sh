@@ -280,7 +280,7 @@ badplot 'a folder without results' 'holds no results' .
 badplot 'no folder' 'a folder of results is needed'
 badplot 'an unknown option' 'unknown option --foo' good --foo
 badplot 'a point that is not recorded' 'integration point 99 is not recorded' good --point 99
-badplot 'a point that is no number' '--point must be an integer from 0 to 100000000, not "x"' good --point x
+badplot 'a point that is no number' 'point must be an integer from 0 to 100000000, not "x"' good --point x
 cp -r good cut
 head -c 3000 good/results.h5 >cut/results.h5
 badplot 'a truncated file of results' 'cut/results.h5: is damaged' cut
