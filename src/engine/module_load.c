@@ -61,7 +61,7 @@ static const char *places_search(gh_context *ctx, const places *p) {
   for (int k = 0; k < p->count; k++) {
     if (access(p->path[k], F_OK) == 0) return p->path[k];
     const size_t used = strlen(tried);
-    snprintf(tried + used, sizeof tried - used, "%s%s", k ? ", " : "", p->path[k]);
+    snprintf(tried + used, sizeof tried - used, "%s%.300s", k ? ", " : "", p->path[k]);
   }
   gh_fail(ctx, GH_ENGINE,
           "the LAMMPS engine cannot be loaded: there is none of the files %s; `make` builds it beside the "

@@ -33,6 +33,18 @@ static cairo_status_t bytes_collect(void *text, const unsigned char *bytes, unsi
   return gh_text_add(text, bytes, length) == GH_OK ? CAIRO_STATUS_SUCCESS : CAIRO_STATUS_NO_MEMORY;
 }
 
+/* Pixels are set here: where cairo has no memory to paint them, it does not always report it. */
+static void paper_whiten(report_page *p) {
+  unsigned char *pixels = p->svg ? NULL : cairo_image_surface_get_data(p->surface);
+  if (pixels) {
+    memset(pixels, 0xFF, (size_t)cairo_image_surface_get_stride(p->surface) * (size_t)p->height);
+    cairo_surface_mark_dirty(p->surface);
+    return;
+  }
+  cairo_set_source_rgb(p->c, 1, 1, 1);
+  cairo_paint(p->c);
+}
+
 gh_status report_page_open(gh_context *ctx, report_page *p, int width, int height, const char *path) {
   *p = (report_page){.ctx = ctx, .width = width, .height = height};
   GH_TRY(gh_text_create(ctx, &p->bytes));
@@ -41,8 +53,7 @@ gh_status report_page_open(gh_context *ctx, report_page *p, int width, int heigh
   else p->surface = cairo_image_surface_create(CAIRO_FORMAT_RGB24, width, height);
   p->c = cairo_create(p->surface);
   if (cairo_status(p->c) != CAIRO_STATUS_SUCCESS) return gh_fail(ctx, GH_MEMORY, "no memory for a picture");
-  cairo_set_source_rgb(p->c, 1, 1, 1);
-  cairo_paint(p->c);
+  paper_whiten(p);
   cairo_select_font_face(p->c, FONT, CAIRO_FONT_SLANT_NORMAL, CAIRO_FONT_WEIGHT_NORMAL);
   cairo_set_line_join(p->c, CAIRO_LINE_JOIN_ROUND);
   cairo_set_line_cap(p->c, CAIRO_LINE_CAP_ROUND);
