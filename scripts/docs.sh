@@ -5,7 +5,8 @@
 set -eu
 granhom=$1 folder=${2:-docs/reference}
 seen=$(mktemp)
-trap 'rm -f "$seen"' EXIT
+page=
+trap 'rm -f "$seen" "$page.new"' EXIT
 
 # An option is a line "  -..." with the indented lines behind it; $seen has those of earlier commands, one a line.
 shorten() {
@@ -51,9 +52,10 @@ shorten() {
 }
 # Help of commands is text; keys and columns are tables of Markdown.
 block() {
+  text=$("$granhom" help $1) || exit 1
   case $1 in
-    keys* | columns*) "$granhom" help $1 ;;
-    *) echo '```' && "$granhom" help "$1" | shorten "$1" && echo '```' ;;
+    keys* | columns*) printf '%s\n' "$text" ;;
+    *) echo '```' && printf '%s\n' "$text" | shorten "$1" && echo '```' ;;
   esac
 }
 for page in "$folder"/*.md; do

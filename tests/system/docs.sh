@@ -46,6 +46,8 @@ fi
 sed -i '/`dilatancy`/d' changed/columns.md
 "$root/scripts/docs.sh" "$granhom" changed
 check "a column that a page lacks comes back" grep -q '`dilatancy`' changed/columns.md
+if "$root/scripts/docs.sh" false changed 2>/dev/null; then not_ok "docs.sh fails where the program does"; else ok "docs.sh fails where the program does"; fi
+if diff -r reference changed && [ -z "$(ls changed/*.new 2>/dev/null)" ]; then ok "and changes no page"; else not_ok "and changes no page"; fi
 for page in keys columns commands; do
   count=$(grep -c '^<!-- granhom help' "reference/$page.md")
   if [ "$count" -ge 3 ]; then ok "$page.md is generated"; else not_ok "$page.md is generated" "$count blocks"; fi
