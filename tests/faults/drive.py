@@ -18,6 +18,7 @@ import struct
 import subprocess
 import sys
 import tempfile
+import zlib
 
 import h5py
 import numpy
@@ -234,6 +235,36 @@ def pieces(name, data):
     return [data] if b"\0" in data else text_pieces(data)
 
 
+def png_pixels(data):
+    """Height x width x 3 of an RGB picture of 8 bits, as cairo and gnuplot write them."""
+    at, packed = 8, b""
+    while at < len(data):
+        size, name = struct.unpack(">I4s", data[at:at + 8])
+        if name == b"IHDR":
+            width, height = struct.unpack(">II", data[at + 8:at + 16])
+        packed += data[at + 8:at + 8 + size] if name == b"IDAT" else b""
+        at += 12 + size
+    rows = numpy.frombuffer(zlib.decompress(packed), numpy.uint8).reshape(height, 1 + 3 * width).astype(int)
+    above, pixels = [0] * (3 * width), []
+    for row in rows.tolist():
+        way, line = row[0], row[1:]
+        for i in range(3 * width if way else 0):
+            a, b, c = line[i - 3] if i > 2 else 0, above[i], above[i - 3] if i > 2 else 0
+            nearest = min((a, b, c), key=lambda v: abs(a + b - c - v))
+            line[i] = (line[i] + (0, a, b, (a + b) // 2, nearest)[way]) % 256
+        above = line
+        pixels.append(line)
+    return numpy.array(pixels).reshape(height, width, 3)
+
+
+def pictures_alike(one, other):
+    """Without memory for its best way, cairo smooths edges by another one: some pixels differ a little."""
+    if not (one.startswith(b"\x89PNG") and other.startswith(b"\x89PNG")) or one[16:29] != other[16:29]:
+        return False
+    apart = abs(png_pixels(one) - png_pixels(other)).max(axis=2)
+    return apart.max() <= 32 and (apart > 0).sum() <= 100
+
+
 class Reference:
     """Files of several undisturbed runs: pieces in which these differ (seconds) are not compared. alike: bytes of each file, and
     where these are the same in all runs; most files are found right by them, and need not be read piece by piece."""
@@ -260,6 +291,8 @@ class Reference:
             if not ((numpy.frombuffer(data, numpy.uint8) != bytes_) & fixed).any():
                 return True
         found = pieces(name, data)
+        if len(found) == len(wanted) == 1 and wanted[0] and pictures_alike(wanted[0], data):
+            return True
         if len(found) != len(wanted):
             self.why = f"{len(found)} pieces instead of {len(wanted)}"
             return False
@@ -372,7 +405,7 @@ class Drive:
         if status not in (0, 1):
             return "hang" if status in (124, 137) else f"exit {status}: " + " | ".join(self.words_read(".err").split("\n")[-3:])
         found = self.look()
-        left = None if re.search("^unlink|^remove|^rmdir| in gh_temporary_remove", what) else self.reference.surplus(found)
+        left = None if re.match(r"unlink|remove|rmdir|open\(.*\.tmp/granhom-", what) else self.reference.surplus(found)
         if status == 1 and self.case.ranks > 1 and left == "left: out/.lock":
             left = None  # a rank has ended the others: the lock goes with the next command (go_on)
         if status == 0:
