@@ -8,8 +8,9 @@
 #include <string.h>
 
 /* Damping over sqrt(stiffness mass), and the time step over 1/sqrt(10 E_n + 6 E_t), about the reciprocal of
- * the highest frequency of dense packings. Measured in docs/reports/crosscheck.md: friction stiffens the slow modes,
- * so that more drag is best; without it, a fifth of this drag lets grains run into other equilibria. */
+ * the highest frequency of dense packings. Measured in docs/reports/crosscheck.md: friction stiffens the slow
+ * modes, so that more drag is best; without it, a fifth of this drag lets grains run into other equilibria.
+ */
 static const double VISCOUS = 0.1, VISCOUS_FRICTION = 0.2, CONTACT = 0.3, TIME_STEP = 1.0;
 static const double FLOOR = 1e-9; /* over stiffness and mean radius */
 enum { STEPS_A_CHECK = 50 };
@@ -103,15 +104,4 @@ gh_status gh_peer_check(gh_context *ctx, const gh_peer_problem *p) {
   if (!gh_finite(p->x, 2 * (size_t)p->n) || !gh_finite(p->cell, 4) || !(gh_det2(p->cell) > 0))
     return gh_fail(ctx, GH_INPUT, "a cross-check needs finite positions in a cell with det > 0");
   return check_cells(ctx, p);
-}
-
-gh_status gh_peer_run(gh_context *ctx, gh_peer_kind kind, const gh_peer_problem *problem, gh_peer_row *row,
-                      gh_peer_result *result) {
-  *result = (gh_peer_result){0};
-  GH_TRY(gh_peer_check(ctx, problem));
-  double start = gh_seconds();
-  gh_status status = kind == GH_PEER_LAMMPS ? peer_lammps(ctx, problem, row, result)
-                                            : peer_liggghts(ctx, problem, row, result);
-  result->seconds = gh_seconds() - start;
-  return status;
 }
