@@ -154,7 +154,7 @@ static gh_status check_target(job *j, const element_step *s, int k, double from,
   return status;
 }
 
-/* Where the conditions are at the begin of a step, and where they go. */
+/* Where the conditions are at the start of a step, and where they go. */
 static gh_status set_out(job *j, const element_step *s, double from[4], double to[4]) {
   for (int k = 0; k < 4; k++) {
     from[k] = gh_condition_value(&s->condition[k], gh_control_F(j->control), gh_control_P(j->control));

@@ -46,7 +46,7 @@ static void print_growth(const pack_spec *spec, const gh_grains *grains, const g
          seed);
   printf("volume fraction        %.6f: %s\n", r->volume_fraction, gh_grow_stop_text(r->stop));
   printf("growth rate            %g of the grains' speed, %s\n", spec->grow.rate,
-         spec->grow.collision == GH_COLLISION_EXCHANGE ? "velocities after (3.9)" : "momentum kept");
+         spec->grow.collision == GH_COLLISION_EXCHANGE ? "velocities after (3.9)" : "momentum conserved");
   printf("collisions             %.0f in %.2f s, %.3g per second\n", r->collisions, r->seconds, r->rate);
   printf("other events           %.0f lists, %.0f checks\n", r->transfers, r->checks);
 }

@@ -167,11 +167,12 @@ static gh_status reach(job *j, long step, const double from[4], const double to[
   memcpy(way.to, to, sizeof way.to);
   GH_TRY(gh_rve_reach(j->rve, &way, A));
   if (way.cuts > 0)
-    gh_log(j->ctx, GH_LEVEL_INFO, "step %ld: no equilibrium at once, reached in %d parts", step, way.parts);
+    gh_log(j->ctx, GH_LEVEL_INFO, "step %ld: no equilibrium at once, reached in %d substeps", step,
+           way.parts);
   return GH_OK;
 }
 
-/* The second path goes on from where the first one is. */
+/* The second path continues from where the first one is. */
 static gh_status join(job *j) {
   size_t size = gh_rve_trial_size(j->rve);
   double *state;

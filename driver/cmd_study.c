@@ -32,7 +32,7 @@ static gh_status study_print(gh_context *ctx, const gh_study *study,
   return cli_print_last(ctx, &text);
 }
 
-/* All ranks read the study, which none of them changes; where one cannot, none goes on. */
+/* All ranks read the study, which none of them changes; where one cannot, none continues. */
 static gh_status study_read(gh_context *ctx, const arguments *a, gh_study **study) {
   gh_status status = gh_study_read(ctx, a->f.file, a->quick, study),
             first = (gh_status)cli_share((int)status);

@@ -61,12 +61,12 @@ static gh_status check_strain(gh_context *ctx, const char *where, const gh_condi
 
 gh_status element_check_target(gh_context *ctx, const char *where, const gh_condition *c, double target,
                                const gh_rve_options *o, double fraction, bool *warned) {
-  if (!isfinite(target)) return GH_OK; /* not known yet, or the control says it */
+  if (!isfinite(target)) return GH_OK; /* not known yet, or the control reports it */
   return c->stress ? check_stress(ctx, where, c, target, o, warned)
                    : check_strain(ctx, where, c, target, o, fraction);
 }
 
-/* Where a condition is at the begin of a step: at its target of the step before. Otherwise a stress is not
+/* Where a condition is at the start of a step: at its target of the step before. Otherwise a stress is not
  * known (NAN), and a strain is that of F = I, which is near enough. */
 static double start_value(const element_step *before, const gh_condition *c, bool loaded) {
   static const double identity[4] = {1, 0, 0, 1}, none[4] = {0};

@@ -28,7 +28,7 @@ static void add_rotation(element_step *step) {
   step->value[3] = 0;
 }
 
-/* Without rotation and strain; the packing may be elsewhere, and then gh_control_solve says it. */
+/* Without rotation and strain; the packing may be elsewhere, and then gh_control_solve reports it. */
 static gh_status check(gh_context *ctx, const element_step *step) {
   static const double identity[4] = {1, 0, 0, 1};
   return gh_conditions_check(ctx, step->condition, identity);
@@ -199,7 +199,7 @@ static gh_status read_columns(gh_context *ctx, const char *path, const gh_csv *c
     column[count++] = c;
   }
   if (count < 3)
-    return gh_fail(ctx, GH_INPUT, "%s:1: %d condition%s; a row needs three, and F21 is held, or four", path,
+    return gh_fail(ctx, GH_INPUT, "%s:1: %d condition%s; a row needs three, and F21 is fixed, or four", path,
                    count, count == 1 ? "" : "s");
   if (count == 3) add_rotation(step);
   if (count == 3) column[3] = -1;

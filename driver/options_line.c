@@ -31,8 +31,8 @@ static void table_add(line_table *t, const option_row *row, size_t place) {
   snprintf(t->letters + used, sizeof t->letters - used, "%c%s", row->letter, takes == no_argument ? "" : ":");
 }
 
-/* "-": operands are handed over where they stand, whatever POSIXLY_CORRECT says; ":": a missing value is told
- * from an unknown option. */
+/* "-": operands are handed over where they stand, whatever POSIXLY_CORRECT says; ":": a missing value is
+ * distinguished from an unknown option. */
 static void table_set(line_table *t, const option_group *groups) {
   *t = (line_table){.letters = "-:"};
   for (; groups->rows; groups++)
@@ -97,7 +97,7 @@ static int line_next(const line_table *t, const option_line *line) {
 
 static void line_rewind(void) {
   opterr = 0;
-  optind = 0; /* getopt starts anew with another string of letters */
+  optind = 0; /* getopt starts again with another string of letters */
 }
 
 bool options_help_wanted(int argc, char **argv) {

@@ -9,9 +9,10 @@ void rve_doubts_add(rve_doubts *d, const gh_rve_measures *m) {
 
 void rve_doubts_tell(gh_context *ctx, rve_doubts *d, long step) {
   if (d->kept)
-    gh_log(ctx, GH_LEVEL_WARNING, "step %ld: relaxation went in circles; slip was kept %d time%s", step,
-           d->kept, d->kept == 1 ? "" : "s");
+    gh_log(ctx, GH_LEVEL_WARNING, "step %ld: limit cycle of the relaxation; %d intermediate history commit%s",
+           step, d->kept, d->kept == 1 ? "" : "s");
   if (d->residual > 0)
-    gh_log(ctx, GH_LEVEL_WARNING, "step %ld: taken as it is, with a residual of %.2g", step, d->residual);
+    gh_log(ctx, GH_LEVEL_WARNING, "step %ld: accepted unconverged, with a residual of %.2g", step,
+           d->residual);
   *d = (rve_doubts){0};
 }

@@ -1,4 +1,4 @@
-/* Energy defect and step doubling along a path of one material point: docs/explanation/method.md, "Error
+/* Energy imbalance and step doubling along a path of one material point: docs/explanation/method.md, "Error
  * estimates". SPDX-License-Identifier: GPL-2.0-or-later */
 #include "rve_error.h"
 
@@ -39,9 +39,10 @@ void rve_error_tell(gh_context *ctx, const rve_error *e) {
   if (b->largest > 0 && defect == 0)
     gh_log(ctx, GH_LEVEL_INFO, "largest residual %.1e; no work was done beyond round-off", b->residual);
   else if (b->largest > 0)
-    gh_log(ctx, GH_LEVEL_INFO,
-           "largest residual %.1e; energy defect %.1e: work of P on F by the trapezoidal rule, less energy "
-           "gained and dissipated, over the largest work",
-           b->residual, defect);
+    gh_log(
+        ctx, GH_LEVEL_INFO,
+        "largest residual %.1e; energy imbalance %.1e: work of P on F by the trapezoidal rule, less energy "
+        "gained and dissipated, over the largest work",
+        b->residual, defect);
   else gh_log(ctx, GH_LEVEL_INFO, "largest residual %.1e", b->residual);
 }

@@ -4,7 +4,7 @@
 
 #include "granhom/micro.h"
 
-/* Zero to begin with. */
+/* Zero at the start. */
 typedef struct rve_error {
   gh_rve_balance balance;
   int compared, branched;

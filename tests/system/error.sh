@@ -100,12 +100,12 @@ step,F11,F12,F21,F22
 P
 rve() { "$granhom" rve "$packing" --engine native --normal-stiffness 1000 --path "$@"; }
 rve path.csv -o one.csv 2>said
-check "rve tells residual and energy defect at the end" sh -c "tail -n 1 said | grep -q '^largest residual .*; energy defect '"
+check "rve tells residual and energy defect at the end" sh -c "tail -n 1 said | grep -q '^largest residual .*; energy imbalance '"
 awk -F, 'NR == 1 { print; next } NR > 2 { for (k = 1; k < 4; k++) { printf "%d", 4 * (NR - 3) + k; for (c = 2; c <= 5; c++) printf ",%.17g", f[c] + k * ($c - f[c]) / 4; print "" } }
   { printf "%d", 4 * (NR - 2); for (c = 2; c <= 5; c++) { f[c] = $c; printf ",%s", $c } print "" }' path.csv >fine.csv
 check "a path of quarters has a sixteenth of it, where grains follow F" sh -c "
-  a=\$('$granhom' rve '$packing' --engine native --boundary taylor-cell --path path.csv -o a.csv 2>&1 | sed -n 's/.*energy defect \([^:]*\):.*/\1/p')
-  b=\$('$granhom' rve '$packing' --engine native --boundary taylor-cell --path fine.csv -o b.csv 2>&1 | sed -n 's/.*energy defect \([^:]*\):.*/\1/p')
+  a=\$('$granhom' rve '$packing' --engine native --boundary taylor-cell --path path.csv -o a.csv 2>&1 | sed -n 's/.*energy imbalance \([^:]*\):.*/\1/p')
+  b=\$('$granhom' rve '$packing' --engine native --boundary taylor-cell --path fine.csv -o b.csv 2>&1 | sed -n 's/.*energy imbalance \([^:]*\):.*/\1/p')
   awk -v a=\$a -v b=\$b 'BEGIN { r = a / b; exit !(r > 8 && r < 32) }'"
 rve path.csv -o whole.csv --friction-angle 20 --boundary taylor 2>/dev/null
 rve path.csv -o halves.csv --friction-angle 20 --boundary taylor --estimate-error 2>said
