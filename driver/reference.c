@@ -40,6 +40,7 @@ static void print_study(gh_text *out) {
 }
 
 static void print_run_columns(gh_text *out) {
+  print_list(out, gh_results_columns(), "name");
   print_list(out, gh_scene_columns(), "name");
 }
 

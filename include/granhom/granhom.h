@@ -17,6 +17,7 @@
 #include "granhom/micro.h"
 #include "granhom/packing.h"
 #include "granhom/report.h"
+#include "granhom/results.h"
 #include "granhom/scene.h"
 #include "granhom/study.h"
 #endif

@@ -6,6 +6,7 @@
 #include "granhom/farm.h"
 #include "granhom/io.h"
 #include "granhom/macro.h"
+#include "granhom/results.h"
 
 #ifdef __cplusplus
 extern "C" {
@@ -132,11 +133,6 @@ gh_status gh_scene_run(gh_scene *scene, const char *folder, const gh_run_options
                        gh_run_summary *summary);
 /* The summary in words, a few lines. */
 void gh_summary_print(const gh_run_summary *summary, const char *folder, gh_text *out);
-
-/* A frame of a LAMMPS dump: the grains of one material point, id type x y z ix iy iz radius grain rattler
- * held replica and with friction theta. Periodic: in the box of the cell, turned so that its first lattice
- * vector lies along x, with image flags; else unturned in a bounding box. */
-void gh_dump_grains(gh_text *out, long step, const gh_rve_view *view);
 
 #ifdef __cplusplus
 }

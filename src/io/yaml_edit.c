@@ -177,13 +177,27 @@ static bool is_blank_or_end(char c) {
   return c == ' ' || c == '\t' || c == 0;
 }
 
-/* Line breaks beyond ASCII, which YAML takes as such in any text: how they are written; NULL: there is none.
- */
-static const char *wide_break(const char *c) {
-  if (strncmp(c, "\xC2\x85", 2) == 0) return "\\N";
-  if (strncmp(c, "\xE2\x80\xA8", 3) == 0) return "\\L";
-  if (strncmp(c, "\xE2\x80\xA9", 3) == 0) return "\\P";
-  return strncmp(c, "\xEF\xBB\xBF", 3) == 0 ? "\\uFEFF" : NULL;
+/* Characters beyond ASCII that no YAML text holds as they are: line breaks, controls, the byte order mark and
+ * what is no character. Returns how many bytes are one of them, 0 for none, and how it is written. */
+static int wide_escape(const char *text, char out[8]) {
+  const unsigned char *c = (const unsigned char *)text;
+  if (c[0] == 0xC2 && c[1] >= 0x80 && c[1] < 0xA0) {
+    snprintf(out, 8, "\\x%02X", c[1]);
+    return 2;
+  }
+  static const struct {
+    const char *bytes, *escape;
+  } three[] = {{"\xE2\x80\xA8", "\\L"},
+               {"\xE2\x80\xA9", "\\P"},
+               {"\xEF\xBB\xBF", "\\uFEFF"},
+               {"\xEF\xBF\xBE", "\\uFFFE"},
+               {"\xEF\xBF\xBF", "\\uFFFF"}};
+  for (size_t k = 0; k < sizeof three / sizeof *three; k++)
+    if (strncmp(text, three[k].bytes, 3) == 0) {
+      snprintf(out, 8, "%s", three[k].escape);
+      return 3;
+    }
+  return 0;
 }
 
 /* Plain texts of a block, and keys that were set, may hold what ends a value in flow style or begins
@@ -191,13 +205,15 @@ static const char *wide_break(const char *c) {
 static bool plain_in_flow(const yaml_node_t *n) {
   const char *text = (const char *)n->data.scalar.value;
   size_t length = strlen(text);
+  char escape[8];
   if (n->data.scalar.style != YAML_PLAIN_SCALAR_STYLE || length != n->data.scalar.length) return false;
   if (length == 0) return true;
   if (is_blank_or_end(text[0]) || is_blank_or_end(text[length - 1]) || strchr("#&*!|>%@`?:", text[0]))
     return false;
   if (text[0] == '-' && is_blank_or_end(text[1])) return false;
   for (const char *c = text; *c; c++) {
-    if (strchr(",[]{}\"'", *c) || (unsigned char)*c < ' ' || *c == 0x7F || wide_break(c)) return false;
+    if (strchr(",[]{}\"'", *c) || (unsigned char)*c < ' ' || *c == 0x7F || wide_escape(c, escape))
+      return false;
     if (*c == ':' && (is_blank_or_end(c[1]) || c[1] == '?')) return false;
     if (*c == ' ' && c[1] == '#') return false;
   }
@@ -211,9 +227,12 @@ static void print_scalar(const yaml_node_t *n, gh_text *out) {
   }
   gh_text_print(out, "\"");
   for (const unsigned char *c = n->data.scalar.value; *c; c++) {
-    const char *wide = wide_break((const char *)c);
-    if (wide) gh_text_print(out, "%s", wide), c += wide[1] == 'N' ? 1 : 2;
-    else if (*c == '"' || *c == '\\') gh_text_print(out, "\\%c", *c);
+    char escape[8];
+    const int wide = wide_escape((const char *)c, escape);
+    if (wide) {
+      gh_text_print(out, "%s", escape);
+      c += wide - 1;
+    } else if (*c == '"' || *c == '\\') gh_text_print(out, "\\%c", *c);
     else if (*c < ' ' || *c == 0x7F) gh_text_print(out, "\\x%02X", *c);
     else gh_text_print(out, "%c", *c);
   }

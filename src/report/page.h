@@ -4,7 +4,7 @@
 #define GRANHOM_REPORT_PAGE_H
 
 #include "granhom/report.h"
-#include "scene/internal.h"
+#include "granhom/results.h"
 
 #include <cairo.h>
 
@@ -61,8 +61,8 @@ gh_status report_picture_check(gh_context *ctx,
 /* What run.json says. */
 typedef struct report_labels {
   char title[256], length[96], force[96], stress[200];
-  char driven_set[SCENE_COLUMN]; /* "" when nothing is driven */
-  char driven_direction;         /* x or y */
+  char driven_set[GH_COLUMN]; /* "" when nothing is driven */
+  char driven_direction;      /* x or y */
   int points;
 } report_labels;
 /* GH_INPUT: no run.json, or a text in it that is not one line. */

@@ -3,7 +3,6 @@
 #include "io/file.h"
 #include "io/json.h"
 #include "report/report.h"
-#include "scene/results.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -77,21 +76,12 @@ gh_status report_labels_read(gh_context *ctx, const char *folder, report_labels 
 
 /* ---- HDF5 ---- */
 
-const char *scene_h5_kind(const char *name) {
-  static const struct {
-    const char *name, *kind;
-  } kinds[] = {{"results.h5", "results 1"}, {"rves.h5", "rves 1"}, {"traces.h5", "traces 1"}};
-  for (size_t k = 0; k < sizeof kinds / sizeof *kinds; k++)
-    if (strcmp(kinds[k].name, name) == 0) return kinds[k].kind;
-  return "unknown";
-}
-
 /* Results of older versions have no checksum and can still be shown. */
 gh_status report_open_h5(gh_context *ctx, const char *folder, const char *name, gh_h5 **file) {
   bool sealed = true;
   char *path = gh_path_join(folder, name);
   if (!path) return gh_fail(ctx, GH_MEMORY, "no memory for a path");
-  gh_status status = gh_h5_read(ctx, path, scene_h5_kind(name), &sealed, file);
+  gh_status status = gh_h5_read(ctx, path, gh_results_kind(name), &sealed, file);
   if (status == GH_OK && !sealed)
     gh_log(ctx, GH_LEVEL_WARNING,
            "%s has no checksum: an older version of granhom or another program wrote it, and damage would "

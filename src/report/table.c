@@ -82,7 +82,7 @@ double report_table_number(const report_table *t, int row, int column) {
 /* The settlement of the first footing and the force on it, where there is one and nothing is driven. */
 static bool choose_footing(const report_table *h, const char *unit, const char *force_unit, report_curve *c) {
   static const char key[] = "footing_uy_";
-  char name[SCENE_COLUMN + 32];
+  char name[GH_COLUMN + 32];
   for (int k = 0; k < h->ncols; k++) {
     if (strncmp(h->name[k], key, strlen(key)) != 0) continue;
     c->x = k;
@@ -100,8 +100,8 @@ static bool choose_footing(const report_table *h, const char *unit, const char *
  * are not there. */
 static gh_status choose_driven(gh_context *ctx, const report_table *h, const report_labels *l,
                                const char *unit, const char *force_unit, report_curve *c) {
-  char set[SCENE_COLUMN], name[SCENE_COLUMN + 8], quoted[GH_QUOTE];
-  scene_column(l->driven_set, set);
+  char set[GH_COLUMN], name[GH_COLUMN + 8], quoted[GH_QUOTE];
+  gh_column_name(l->driven_set, set);
   snprintf(name, sizeof name, "u%c_%s", l->driven_direction, set);
   c->x = report_table_column(h, name);
   if (c->x < 0)

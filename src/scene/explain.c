@@ -185,11 +185,11 @@ static void explain_share(const char *what, int count, int points, gh_text *out)
 /* Which files, and who works. */
 static void explain_run(const gh_scene *s, gh_text *out) {
   const int points = 4 * s->mesh->nelements;
-  const bool few = s->nrves == SCENE_FEW_RVES && points <= SCENE_FEW;
+  const bool few = s->nrves == GH_FEW_POINTS && points <= GH_FEW;
   gh_text_print(out, "results           loads, reactions, residuals as text");
   if (gh_h5_available()) {
     gh_text_print(out, "; fields for ParaView (HDF5)");
-    if (s->nrves == SCENE_FEW_RVES && !few)
+    if (s->nrves == GH_FEW_POINTS && !few)
       gh_text_print(out, "; grains and contacts of the first, the most loaded and the least stable point");
     else explain_share("grains and contacts", few ? -1 : s->nrves, points, out);
     gh_text_print(out, "; checkpoints");

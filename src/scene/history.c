@@ -1,155 +1,176 @@
-/* history.csv and timing.csv: one row per increment; convergence.csv: one per residual. What depends on the
- * machine or on chance stands in the latter two: history.csv is the same whenever the scene is.
+/* The columns of history.csv: loads, reactions, what the solution cost, energies, estimated errors.
  * SPDX-License-Identifier: GPL-2.0-or-later */
-#include "scene/results.h"
+#include "scene/output.h"
 
 #include <stdlib.h>
 #include <string.h>
 
-static bool pressed(const gh_scene *s, int set) {
+static bool set_is_pressed(const gh_scene *s, int set) {
   for (int k = 0; k < s->nsteps; k++)
     for (int j = 0; j < s->steps[k].npressures; j++)
       if (s->steps[k].pressures[j].set == set) return true;
   return s->present.pressure[set].now != 0;
 }
 
-static bool driven(const gh_scene *s, int set, int i) {
+static bool set_is_driven(const gh_scene *s, int set, int i) {
   for (int k = 0; k < s->nsteps; k++)
     for (int j = 0; j < s->steps[k].ndisplaces; j++)
       if (s->steps[k].displaces[j].set == set && !isnan(s->steps[k].displaces[j].to[i])) return true;
   return false;
 }
 
-static bool forced(const gh_scene *s, int set) {
+static bool set_is_forced(const gh_scene *s, int set) {
   for (int k = 0; k < s->nsteps; k++)
     for (int j = 0; j < s->steps[k].nforces; j++)
       if (s->steps[k].forces[j].set == set) return true;
   return false;
 }
 
-static bool founded(const gh_scene *s, int set) {
+static bool set_has_footing(const gh_scene *s, int set) {
   for (int k = 0; k < s->nsteps; k++)
     for (int j = 0; j < s->steps[k].nfootings; j++)
       if (s->steps[k].footings[j].set == set) return true;
   return false;
 }
 
-/* A column of scene_history_sets, with the name of the set in the place of SET. */
-static void column_print(gh_text *t, int column, const char *set) {
+/* ---- one walk over all columns, for their names and for a row ---- */
+
+typedef struct walk {
+  const gh_scene *scene;
+  const scene_output *output; /* NULL: names alone */
+  gh_column *column;          /* NULL: values alone, or to be counted */
+  double *value;              /* NULL: names alone */
+  int n;
+} walk;
+
+static void column_add(walk *w, const char *name, bool may_be_nan, double value) {
+  if (w->column) {
+    snprintf(w->column[w->n].name, sizeof w->column[w->n].name, "%s", name);
+    w->column[w->n].may_be_nan = may_be_nan;
+  }
+  if (w->value) w->value[w->n] = value;
+  w->n++;
+}
+
+/* A column of scene_history_sets, with the name of the set in the place of SET. Displacements that nothing
+ * prescribes are nan. */
+static void set_column_add(walk *w, int column, int set, double value) {
   const char *name = scene_history_sets[column].name, *at = strstr(name, "SET");
-  if (at) gh_text_print(t, ",%.*s%s%s", (int)(at - name), name, set, at + strlen("SET"));
-  else gh_text_print(t, ",%s", name);
-}
-
-static void footings_columns(const gh_scene *s, gh_text *t) {
-  char name[SCENE_COLUMN];
-  for (int set = 0; set < s->nsets; set++) {
-    if (!founded(s, set)) continue;
-    scene_column(s->mesh->sets[set].name, name);
-    for (int column = HISTORY_FOOTING_UX; column <= HISTORY_FOOTING_TURN; column++)
-      column_print(t, column, name);
+  char of[GH_COLUMN], full[GH_COLUMN + 16];
+  if (at) {
+    gh_column_name(w->scene->mesh->sets[set].name, of);
+    snprintf(full, sizeof full, "%.*s%s%s", (int)(at - name), name, of, at + strlen("SET"));
   }
+  column_add(w, at ? full : name, column == HISTORY_UX || column == HISTORY_UY, value);
 }
 
-/* How they have moved. */
-static void history_footings(scene_results *r) {
-  for (int set = 0; set < r->scene->nsets; set++) {
-    double u[2], turn;
-    if (!founded(r->scene, set)) continue;
-    gh_macro_footing(r->macro, set, u, &turn);
-    gh_text_print(r->history, ",%.17g,%.17g,%.17g", u[0], u[1], turn);
-  }
-}
-
-/* Writes the header (names) or the loads of a row: one list of columns for both. */
-static void history_loads(const gh_scene *s, gh_text *t, bool names) {
-  char name[SCENE_COLUMN];
+static void loads_add(walk *w) {
+  const gh_scene *s = w->scene;
   for (int set = 0; set < s->nsets; set++) {
     gh_scene_load load;
     gh_scene_load_on(s, set, &load);
-    scene_column(s->mesh->sets[set].name, name);
-    if (pressed(s, set)) names ? column_print(t, HISTORY_P, name) : gh_text_print(t, ",%.17g", load.pressure);
+    if (set_is_pressed(s, set)) set_column_add(w, HISTORY_P, set, load.pressure);
     for (int i = 0; i < 2; i++) {
-      if (driven(s, set, i))
-        names ? column_print(t, HISTORY_UX + i, name) : gh_text_print(t, ",%.17g", load.displacement[i]);
-      if (forced(s, set))
-        names ? column_print(t, HISTORY_FX + i, name) : gh_text_print(t, ",%.17g", load.force[i]);
-      double footing = s->present.footing[set].force[i].now + s->present.footing[set].old[i].now;
-      if (founded(s, set))
-        names ? column_print(t, HISTORY_FOOTING_FX + i, name) : gh_text_print(t, ",%.17g", footing);
+      const scene_standing *footing = s->present.footing + set;
+      if (set_is_driven(s, set, i)) set_column_add(w, HISTORY_UX + i, set, load.displacement[i]);
+      if (set_is_forced(s, set)) set_column_add(w, HISTORY_FX + i, set, load.force[i]);
+      if (set_has_footing(s, set))
+        set_column_add(w, HISTORY_FOOTING_FX + i, set, footing->force[i].now + footing->old[i].now);
     }
   }
   double b[2];
   gh_scene_gravity(s, b);
-  for (int i = 0; i < 2; i++) names ? column_print(t, HISTORY_GX + i, "") : gh_text_print(t, ",%.17g", b[i]);
+  for (int i = 0; i < 2; i++) set_column_add(w, HISTORY_GX + i, 0, b[i]);
 }
 
-void scene_history_columns(const gh_scene *s, gh_text *t) {
-  char name[SCENE_COLUMN];
-  gh_terms_header(t, scene_history_head, ",");
-  history_loads(s, t, true);
-  for (int set = 0; set < s->nsets; set++) {
-    scene_column(s->mesh->sets[set].name, name);
-    for (int i = 0; i < 2; i++) column_print(t, HISTORY_X + i, name);
+static void reactions_add(walk *w) {
+  for (int set = 0; set < w->scene->nsets; set++) {
+    double sum[2] = {0, 0};
+    if (w->output) gh_macro_reaction(w->output->macro, set, sum);
+    for (int i = 0; i < 2; i++) set_column_add(w, HISTORY_X + i, set, sum[i]);
   }
-  footings_columns(s, t);
-  gh_text_print(t, ",");
-  gh_terms_header(t, scene_history_tail, ",");
-  if (!s->estimate) return;
-  gh_text_print(t, ",");
-  gh_terms_header(t, scene_history_estimate, ",");
 }
 
-void scene_history_header(scene_results *r) {
-  scene_history_columns(r->scene, r->history);
-  gh_text_print(r->history, "\n");
-}
-
-/* The end of a row: what is known of the error (docs/explanation/method.md). */
-static void history_errors(scene_results *r, const scene_frame *f) {
-  const gh_energy *e = f->energy;
-  const gh_run_estimate *q = f->estimate;
-  gh_text_print(r->history, ",%.17g,%.17g,%.17g,%.17g,%.17g", e->inner_work, e->outer_work, e->energy,
-                e->dissipation, gh_energy_defect(e));
-  for (int k = 0; k < GH_ERRORS && r->scene->estimate; k++)
-    gh_text_print(r->history, ",%.17g", gh_estimated_now(q, k));
-  if (r->scene->estimate) gh_text_print(r->history, ",%.17g,%d", q->growth, q->last_branched);
-  gh_text_print(r->history, "\n");
-}
-
-size_t scene_history_row(scene_results *r, const scene_frame *f) {
-  size_t numbers;
-  gh_text *t = r->history;
-  gh_text_print(t, "%d,%d,", f->counter, f->increment);
-  for (const char *c = f->name; *c; c++)
-    gh_text_print(t, "%c", *c == ',' || *c == '"' || *c == '\n' ? '_' : *c);
-  gh_text_print(t, ",%d,%.17g", f->step, f->time);
-  history_loads(r->scene, t, false);
-  gh_text_get(t, &numbers);
-  for (int set = 0; set < r->scene->nsets; set++) {
-    double sum[2];
-    gh_macro_reaction(r->macro, set, sum);
-    gh_text_print(t, ",%.17g,%.17g", sum[0], sum[1]);
+/* How footings have moved. */
+static void footings_add(walk *w) {
+  for (int set = 0; set < w->scene->nsets; set++) {
+    double u[2] = {0, 0}, turn = 0;
+    if (!set_has_footing(w->scene, set)) continue;
+    if (w->output) gh_macro_footing(w->output->macro, set, u, &turn);
+    set_column_add(w, HISTORY_FOOTING_UX, set, u[0]);
+    set_column_add(w, HISTORY_FOOTING_UY, set, u[1]);
+    set_column_add(w, HISTORY_FOOTING_TURN, set, turn);
   }
-  history_footings(r);
+}
+
+/* The columns of a list of terms. */
+static void terms_add(walk *w, const gh_term *terms, const double *value) {
+  for (int k = 0; terms[k].name; k++) column_add(w, terms[k].name, false, value[k]);
+}
+
+enum { TAIL = 16 };
+
+/* In the order of scene_history_tail. */
+static void tail_fill(const scene_output *o, double value[TAIL]) {
+  const gh_macro_report *m = o->report;
+  const gh_energy *e = &o->summary->energy;
+  gh_farm_counts now;
   double V, v;
-  const gh_macro_report *m = f->report;
-  gh_macro_volumes(r->macro, &V, &v);
-  gh_farm_counts now, *before = &r->counted;
-  gh_farm_count(r->farm, &now);
-  gh_text_print(t, ",%.17g,%d,%d,%d,%d,%d,%.17g,%.17g,%ld,%ld,%ld", 100 * (v / V - 1), m->iterations,
-                m->substeps, m->cuts, m->jumps, r->unjammed, r->min_acoustic, m->relative,
-                now.evaluations - before->evaluations, now.steps - before->steps,
-                now.factorisations - before->factorisations);
-  history_errors(r, f);
-  gh_text_print(r->timing, "%d,%.17g,%.17g,%ld,%ld,%ld,%d\n", f->counter, m->seconds, m->micro_seconds,
-                now.evaluations - before->evaluations, now.computed - before->computed,
-                now.moved - before->moved, now.ranks);
-  r->counted = now;
-  return numbers;
+  gh_macro_volumes(o->macro, &V, &v);
+  gh_farm_count(o->farm, &now);
+  const double all[TAIL] = {100 * (v / V - 1),
+                            m->iterations,
+                            m->substeps,
+                            m->cuts,
+                            m->jumps,
+                            o->unjammed,
+                            o->min_acoustic,
+                            m->relative,
+                            (double)(now.evaluations - o->counted.evaluations),
+                            (double)(now.steps - o->counted.steps),
+                            (double)(now.factorisations - o->counted.factorisations),
+                            e->inner_work,
+                            e->outer_work,
+                            e->energy,
+                            e->dissipation,
+                            gh_energy_defect(e)};
+  memcpy(value, all, sizeof all);
 }
 
-void scene_results_iteration(scene_results *r, int counter, const gh_macro_iteration *it) {
-  gh_text_print(r->convergence, "%d,%d,%d,%.17g,%.17g,%.17g,%.17g,%.17g\n", counter, it->substep,
-                it->iteration, it->residual, it->relative, it->first, it->step, it->seconds);
+/* In the order of scene_history_estimate. */
+static void estimate_fill(const scene_output *o, double value[GH_ERRORS + 2]) {
+  const gh_run_estimate *q = &o->summary->estimate;
+  for (int k = 0; k < GH_ERRORS; k++) value[k] = gh_estimated_now(q, k);
+  value[GH_ERRORS] = q->growth;
+  value[GH_ERRORS + 1] = q->last_branched;
+}
+
+static void columns_walk(walk *w) {
+  double tail[TAIL] = {0}, estimate[GH_ERRORS + 2] = {0};
+  loads_add(w);
+  reactions_add(w);
+  footings_add(w);
+  if (w->output) tail_fill(w->output, tail);
+  terms_add(w, scene_history_tail, tail);
+  if (!w->scene->estimate) return;
+  if (w->output) estimate_fill(w->output, estimate);
+  terms_add(w, scene_history_estimate, estimate);
+}
+
+gh_status scene_columns_create(const gh_scene *scene, gh_column **columns, int *count) {
+  walk w = {.scene = scene};
+  columns_walk(&w);
+  *count = w.n;
+  GH_TRY(gh_alloc(scene->ctx, (size_t)w.n, sizeof **columns, columns));
+  w.n = 0, w.column = *columns;
+  columns_walk(&w);
+  return GH_OK;
+}
+
+gh_status scene_row(void *data, const gh_frame *frame, double *value) {
+  (void)frame;
+  const scene_output *o = data;
+  walk w = {.scene = o->scene, .output = o, .value = value};
+  columns_walk(&w);
+  return GH_OK;
 }

@@ -100,20 +100,14 @@ struct gh_scene {
   int nsupports, nsteps;
   scene_fix *supports;
   scene_step *steps;
-  int nrves; /* material points to record; -1: all, -2: all if they are few */
+  int nrves; /* integration points to record; GH_ALL_POINTS, GH_FEW_POINTS */
   int *rves;
-  int ndumps, *dumps; /* material points to dump; -1: all */
+  int ndumps, *dumps; /* integration points to dump; GH_ALL_POINTS */
   int dump_every;     /* increments */
   scene_present present;
 };
 
-enum { SCENE_ALL_RVES = -1, SCENE_FEW_RVES = -2, SCENE_FEW = 64 };
-
-/* names.c: names of sets in columns of history.csv ("left" in left_x) and among the sets of results.h5. A
- * comma, a blank, a quote becomes '_', in results.h5 a slash too. */
-enum { SCENE_COLUMN = 128 };
-const char *scene_column(const char *set, char text[SCENE_COLUMN]);
-const char *scene_dataset(const char *set, char text[SCENE_COLUMN]);
+/* names.c */
 /* GH_INPUT: a set whose name is no text of one line or too long, two columns or two sets of one name. */
 gh_status scene_names_check(const gh_scene *scene);
 
@@ -141,38 +135,10 @@ gh_status scene_check_confined(gh_scene *scene);
  * known before the run are NAN. */
 gh_status scene_check_stretch(gh_scene *scene, const scene_step *step);
 
-/* results.c */
-typedef struct scene_results scene_results;
-/* One complete increment, as the results see it. */
-typedef struct scene_frame {
-  int counter, step, increment; /* counter: of all increments, 0 the start */
-  const char *name;
-  double time; /* in load steps */
-  const gh_macro_report *report;
-  const gh_energy *energy;
-  const gh_run_estimate *estimate;
-} scene_frame;
-/* Checks that folder is none that cannot be written to; touches nothing. */
-gh_status scene_results_check(gh_context *ctx, const char *folder);
-/* Folder NULL: the points are looked at, and nothing is written. */
-gh_status scene_results_create(gh_scene *scene, gh_farm *farm, gh_macro *macro, const char *folder,
-                               scene_results **results);
-void scene_results_destroy(scene_results **results);
-void scene_results_iteration(scene_results *r, int counter, const gh_macro_iteration *it);
-gh_status scene_results_write(scene_results *r, const scene_frame *frame);
-/* Ends the record: outcome ("done", "stopped", ...) and message into run.json. */
-gh_status scene_results_close(scene_results *r, gh_status status, const char *outcome, const char *message,
-                              const gh_run_summary *summary);
-int scene_results_unjammed(const scene_results *r, double *min_acoustic);
-
 /* estimate.c: solves the increment for both paths, in halves and as a whole, and counts how they differ. */
 gh_status scene_solve_twice(const gh_scene *scene, gh_macro *macro, const gh_loads *loads,
                             gh_macro_report *report, gh_macro_report *whole, gh_run_estimate *estimate);
 /* The set that a step drives last, and its direction; false: none is driven. */
 bool scene_driven(const gh_scene *scene, int *set, int *direction);
-
-/* record.c: run.json; blas: gh_blas. NULL: no memory. */
-char *scene_run_json(const gh_scene *scene, const gh_farm *farm, const char *blas, const char *started,
-                     const char *status, const char *message, const gh_run_summary *summary);
 
 #endif

@@ -1,35 +1,20 @@
-/* Names of sets as parts of columns and datasets: one rule for those who write and those who read.
+/* Names of sets of a scene, checked against the columns and datasets that they will become.
  * SPDX-License-Identifier: GPL-2.0-or-later */
 #include "io/file.h"
-#include "scene/results.h"
+#include "scene/output.h"
 
 #include <stdlib.h>
 #include <string.h>
-
-const char *scene_column(const char *set, char text[SCENE_COLUMN]) {
-  snprintf(text, SCENE_COLUMN, "%s", set);
-  for (char *c = text; *c; c++)
-    if (*c == ',' || *c == ' ' || *c == '"' || *c == '\'') *c = '_';
-  return text;
-}
-
-const char *scene_dataset(const char *set, char text[SCENE_COLUMN]) {
-  scene_column(set, text);
-  for (char *c = text; *c; c++)
-    if (*c == '/') *c = '_';               /* HDF5 would make groups of it */
-  if (strcmp(text, ".") == 0) *text = '_'; /* and this is the group itself */
-  return text;
-}
 
 static gh_status set_check(const gh_scene *s, const char *set) {
   char what[GH_QUOTE], quoted[GH_QUOTE];
   if (gh_unprintable(set, what))
     return gh_fail(s->ctx, GH_INPUT, "%s:%d: mesh: the name of the set '%s' holds %s", s->path, s->mesh_line,
                    gh_quote(set, quoted), what);
-  if (strlen(set) < SCENE_COLUMN) return GH_OK;
+  if (strlen(set) < GH_COLUMN) return GH_OK;
   return gh_fail(s->ctx, GH_INPUT,
                  "%s:%d: mesh: the name of the set '%s' has %zu bytes, at most %d are possible", s->path,
-                 s->mesh_line, gh_quote(set, quoted), strlen(set), SCENE_COLUMN - 1);
+                 s->mesh_line, gh_quote(set, quoted), strlen(set), GH_COLUMN - 1);
 }
 
 static gh_status twice(const gh_scene *s, const char *what, const char *name) {
@@ -56,35 +41,28 @@ static gh_status list_check(const gh_scene *s, const char *what, char **name, in
 /* The columns as history.csv will have them: a set 'left_x' with a pressure and a set 'p_left' meet in
  * 'p_left_x'. */
 static gh_status columns_check(const gh_scene *s) {
-  gh_text *header;
-  char *text = NULL, **name = NULL, *rest;
-  int n = 0;
-  GH_TRY(gh_text_create(s->ctx, &header));
-  scene_history_columns(s, header);
+  gh_column *column = NULL;
+  char **name = NULL;
+  int n;
   gh_status status;
-  size_t length;
-  GH_TRY_OR(gh_text_check(header), done);
-  gh_text_get(header, &length);
-  GH_TRY_OR(gh_alloc(s->ctx, length + 1, 1, &text), done);
-  memcpy(text, gh_text_get(header, NULL), length);
-  GH_TRY_OR(gh_alloc(s->ctx, length + 1, sizeof *name, &name), done);
-  for (char *c = strtok_r(text, ",", &rest); c; c = strtok_r(NULL, ",", &rest)) name[n++] = c;
+  GH_TRY_OR(scene_columns_create(s, &column, &n), done);
+  GH_TRY_OR(gh_alloc(s->ctx, (size_t)n, sizeof *name, &name), done);
+  for (int k = 0; k < n; k++) name[k] = column[k].name;
   status = list_check(s, "columns of history.csv", name, n);
 done:
   free(name);
-  free(text);
-  gh_text_destroy(&header);
+  free(column);
   return status;
 }
 
 static gh_status datasets_check(const gh_scene *s) {
   size_t n = (size_t)s->nsets;
-  char(*text)[SCENE_COLUMN] = NULL, **name = NULL;
+  char(*text)[GH_COLUMN] = NULL, **name = NULL;
   gh_status status;
   GH_TRY_OR(gh_alloc(s->ctx, n, sizeof *text, &text), done);
   GH_TRY_OR(gh_alloc(s->ctx, n, sizeof *name, &name), done);
   for (size_t k = 0; k < n; k++) {
-    scene_dataset(s->mesh->sets[k].name, text[k]);
+    gh_dataset_name(s->mesh->sets[k].name, text[k]);
     name[k] = text[k];
   }
   status = list_check(s, "sets of results.h5", name, s->nsets);

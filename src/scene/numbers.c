@@ -1,5 +1,5 @@
-/* What results tell of a material point, number by number. SPDX-License-Identifier: GPL-2.0-or-later */
-#include "scene/results.h"
+/* What results hold of an integration point, number by number. SPDX-License-Identifier: GPL-2.0-or-later */
+#include "scene/output.h"
 
 /* Difference of the principal values of mean n(x)n over their sum. The sum is 1, but 0 without contacts. */
 static double fabric_anisotropy(const gh_rve_measures *m) {
@@ -45,7 +45,7 @@ static double fabric_angle(const gh_rve_measures *m) {
   }
 NUMBERS(FUNCTION)
 
-#define ENTRY(name, value, mean, text) {#name, name, mean},
+#define ENTRY(name, value, mean, text) {#name, "points/" #name, "cells/" #name, name, mean},
 const scene_number scene_numbers[] = {NUMBERS(ENTRY)};
 const size_t scene_number_count = sizeof scene_numbers / sizeof *scene_numbers;
 

@@ -23,7 +23,7 @@ static gh_status read_points(gh_scene *s, node n, const char *key, int **points,
   if (gh_yaml_is_list(n)) return read_list(s, n, points, count);
   const char *word;
   GH_TRY(gh_yaml_text(n, key, &word));
-  if (strcmp(word, "all") == 0) *count = SCENE_ALL_RVES;
+  if (strcmp(word, "all") == 0) *count = GH_ALL_POINTS;
   else if (strcmp(word, "none") == 0) *count = 0;
   else return gh_yaml_fail(n, "%s is '%s', it must be all, none or a list of integration points", key, word);
   return GH_OK;
@@ -31,7 +31,7 @@ static gh_status read_points(gh_scene *s, node n, const char *key, int **points,
 
 gh_status scene_read_results(gh_scene *s, node root) {
   node results = gh_yaml_get(root, "results"), old = gh_yaml_get(root, "output"), n;
-  s->nrves = SCENE_FEW_RVES;
+  s->nrves = GH_FEW_POINTS;
   s->dump_every = 1;
   if (gh_yaml_has(results) && gh_yaml_has(old))
     return gh_yaml_fail(old, "'output' is an older name of 'results', and the scene has both");

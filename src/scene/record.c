@@ -1,8 +1,9 @@
 /* run.json: what was run, on what, with which outcome. SPDX-License-Identifier: GPL-2.0-or-later */
 #include "io/json.h"
-#include "scene/internal.h"
+#include "scene/output.h"
 #include "granhom/granhom.h"
 
+#include <stdlib.h>
 #include <string.h>
 #include <sys/utsname.h>
 #include <unistd.h>
@@ -157,23 +158,24 @@ static void add_summary(gh_json root, const gh_run_summary *m) {
   gh_json_number(time, "results", m->results_seconds);
 }
 
-char *scene_run_json(const gh_scene *scene, const gh_farm *farm, const char *blas, const char *started,
-                     const char *status, const char *message, const gh_run_summary *summary) {
+gh_status scene_record(void *data, const gh_outcome *outcome, gh_text *out) {
+  const scene_output *o = data;
+  const gh_scene *scene = o->scene;
   bool failed = false;
   gh_json root = {.at = cJSON_CreateObject(), .failed = &failed}, units;
   gh_json_text(root, "title", scene->title);
-  gh_json_text(root, "status", status);
-  if (message && *message) gh_json_text(root, "message", message);
-  gh_json_text(root, "started", started);
+  gh_json_text(root, "status", outcome->status);
+  if (outcome->message && *outcome->message) gh_json_text(root, "message", outcome->message);
+  gh_json_text(root, "started", outcome->started);
   add_program(root, scene);
-  add_machine(root, blas);
-  add_options(root, scene, farm);
+  add_machine(root, outcome->blas);
+  add_options(root, scene, o->farm);
   add_driven(root, scene);
   units = gh_json_group(root, "units");
   gh_json_text(units, "length", scene->length_unit);
   gh_json_text(units, "force", scene->force_unit);
-  if (summary) add_summary(root, summary);
-  if (summary) add_error(root, summary, scene->estimate);
+  if (outcome->ended) add_summary(root, o->summary);
+  if (outcome->ended) add_error(root, o->summary, scene->estimate);
   gh_json_text(root, "scene_file", scene->path);
   gh_json_text(root, "packing_file", scene->packing_paths[0]);
   add_packings(root, scene);
@@ -181,5 +183,8 @@ char *scene_run_json(const gh_scene *scene, const gh_farm *farm, const char *bla
   add_overrides(root, scene);
   char *json = failed ? NULL : cJSON_Print(root.at);
   cJSON_Delete(root.at);
-  return json;
+  if (!json) return gh_fail(o->ctx, GH_MEMORY, "no memory for run.json");
+  gh_text_print(out, "%s\n", json);
+  free(json);
+  return GH_OK;
 }

@@ -1,6 +1,6 @@
 /* The loop over load steps and increments. SPDX-License-Identifier: GPL-2.0-or-later */
 #include "granhom/limits.h"
-#include "scene/checkpoint.h"
+#include "scene/output.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -13,7 +13,7 @@ typedef struct run {
   gh_farm *farm;
   gh_macro *macro;
   gh_loads *loads;
-  scene_results *results;
+  scene_output output;
   gh_lock *lock;         /* of the folder */
   gh_run_summary sum;    /* of this run and those that it goes on from, without the following: */
   gh_run_summary before; /* cost, farm and seconds up to the checkpoint that was read */
@@ -32,7 +32,10 @@ typedef struct run {
 static void watch(void *data, const gh_macro_iteration *it) {
   run *r = data;
   r->last = *it;
-  if (r->folder) scene_results_iteration(r->results, r->counter, it);
+  if (r->output.results)
+    gh_results_residual(r->output.results,
+                        &(gh_residual_row){r->counter, it->substep, it->iteration, it->residual, it->relative,
+                                           it->first, it->step, it->seconds});
   gh_log(r->ctx, GH_LEVEL_INFO,
          "%s %d/%d  part %d  iteration %2d  relative residual %9.2e  step length %.3g  %.2f s",
          gh_scene_step_name(r->scene, r->step), r->increment, gh_scene_increments(r->scene, r->step),
@@ -65,15 +68,15 @@ static void add_up(run *r, const gh_macro_report *report) {
 }
 
 static void tell_increment(run *r, const gh_macro_report *report) {
-  double V, v, least;
-  int unjammed = scene_results_unjammed(r->results, &least);
+  double V, v;
+  const int unjammed = r->output.unjammed;
   gh_macro_volumes(r->macro, &V, &v);
   gh_log(r->ctx, GH_LEVEL_INFO,
          "%s %d/%d done: %d iteration%s in %d part%s, residual %.1e, dilatancy %.4g %%, smallest acoustic "
          "eigenvalue %.3g, %.2f s (%.2f s micro)",
          gh_scene_step_name(r->scene, r->step), r->increment, gh_scene_increments(r->scene, r->step),
          report->iterations, GH_S(report->iterations), report->substeps, GH_S(report->substeps),
-         report->relative, 100 * (v / V - 1), least, report->seconds, report->micro_seconds);
+         report->relative, 100 * (v / V - 1), r->output.min_acoustic, report->seconds, report->micro_seconds);
   if (report->jumps > 0)
     gh_log(r->ctx, GH_LEVEL_WARNING,
            "%s %d: passed %d jump%s of the packings: the path is not continuous there",
@@ -87,15 +90,12 @@ static void tell_increment(run *r, const gh_macro_report *report) {
 static gh_status write_frame(run *r, const gh_macro_report *report) {
   int increments = gh_scene_increments(r->scene, r->step);
   double begin = gh_seconds();
-  scene_frame frame = {.counter = r->counter,
-                       .step = r->step,
-                       .increment = r->increment,
-                       .report = report,
-                       .energy = &r->sum.energy,
-                       .estimate = &r->sum.estimate,
-                       .name = gh_scene_step_name(r->scene, r->step),
-                       .time = r->step == 0 ? 0 : r->step - 1 + (double)r->increment / increments};
-  gh_status status = scene_results_write(r->results, &frame);
+  const gh_frame frame = {.counter = r->counter,
+                          .step = r->step,
+                          .increment = r->increment,
+                          .name = gh_scene_step_name(r->scene, r->step),
+                          .time = r->step == 0 ? 0 : r->step - 1 + (double)r->increment / increments};
+  gh_status status = scene_output_write(&r->output, frame, report, &r->sum);
   r->sum.results_seconds += gh_seconds() - begin;
   return status;
 }
@@ -127,7 +127,7 @@ static gh_status keep(run *r) {
   sum_up(r);
   here.sum = r->sum;
   gh_h5_close(&r->pending);
-  GH_TRY(scene_checkpoint_make(r->results, &here, &r->pending));
+  GH_TRY(scene_checkpoint_make(&r->output, &here, &r->pending));
   gh_status status = r->counter % every == 0 ? gh_h5_commit(&r->pending) : GH_OK;
   r->sum.results_seconds += gh_seconds() - begin;
   return status;
@@ -147,13 +147,13 @@ static gh_status replay(run *r) {
 static gh_status resume(run *r, bool *resumed) {
   *resumed = false;
   if (!r->options || !r->options->restart || !r->folder) return GH_OK;
-  GH_TRY(scene_checkpoint_find(r->results, resumed));
+  GH_TRY(gh_checkpoint_find(r->output.results, resumed));
   if (!*resumed) {
     gh_log(r->ctx, GH_LEVEL_WARNING, "there is no checkpoint to restart from: the run begins at the start");
     return GH_OK;
   }
   scene_position at = {.begin_u = r->begin_u};
-  GH_TRY(scene_checkpoint_read(r->results, &at));
+  GH_TRY(scene_checkpoint_read(&r->output, &at));
   r->counter = at.counter, r->step = at.step, r->increment = at.increment;
   r->sum = r->before = at.sum;
   r->counter++;
@@ -382,7 +382,7 @@ static gh_status check_build(const run *r) {
 static gh_status open_run(run *r) {
   const gh_scene *s = r->scene;
   GH_TRY(check_build(r));
-  if (r->folder) GH_TRY(scene_results_check(r->ctx, r->folder));
+  if (r->folder) GH_TRY(gh_results_folder_check(r->ctx, r->folder));
   if (r->folder) GH_TRY(gh_lock_create(r->ctx, r->folder, &r->lock));
   r->sum.points = 4 * s->mesh->nelements;
   r->sum.planned = gh_scene_steps(s);
@@ -391,7 +391,8 @@ static gh_status open_run(run *r) {
   if (r->options) gh_farm_set_stop(r->farm, r->options->stop, r->options->stop_data);
   GH_TRY(gh_macro_create(r->ctx, s->mesh, r->farm, &s->solver, &r->macro));
   GH_TRY(gh_loads_create(r->ctx, s->mesh, &r->loads));
-  GH_TRY(scene_results_create(r->scene, r->farm, r->macro, r->folder, &r->results));
+  GH_TRY(gh_scene_loads(r->scene, 0, 1, NULL, r->loads)); /* pressures of the start have columns */
+  GH_TRY(scene_output_create(r->scene, r->farm, r->macro, r->folder, &r->output));
   gh_macro_set_watch(r->macro, watch, r);
   return GH_OK;
 }
@@ -401,7 +402,7 @@ static gh_status close_run(run *r, gh_status status) {
   char message[2048];
   snprintf(message, sizeof message, "%s", status == GH_OK ? "" : gh_message(r->ctx));
   const char *outcome = status == GH_OK ? "done" : status == GH_STOPPED ? "stopped" : gh_status_text(status);
-  gh_status closed = scene_results_close(r->results, status, outcome, message, &r->sum);
+  gh_status closed = scene_output_close(&r->output, status, outcome, message, &r->sum);
   if (r->pending) { /* not yet due, but the last one of this run */
     gh_status kept = gh_h5_commit(&r->pending);
     if (closed == GH_OK) closed = kept;
@@ -423,13 +424,13 @@ gh_status gh_scene_run(gh_scene *scene, const char *folder, const gh_run_options
     status = run_all(&r);
     if (status == GH_STOPPED) tell_stop(&r);
     sum_up(&r);
-    r.sum.unjammed = scene_results_unjammed(r.results, &r.sum.min_acoustic);
+    r.sum.unjammed = r.output.unjammed, r.sum.min_acoustic = r.output.min_acoustic;
     status = close_run(&r, status);
   }
   for (int k = 0; r.begin_u && k <= scene->nsteps; k++) free(r.begin_u[k]);
   free(r.begin_u);
   gh_h5_close(&r.pending);
-  scene_results_destroy(&r.results);
+  scene_output_destroy(&r.output);
   gh_loads_destroy(&r.loads);
   gh_macro_destroy(&r.macro);
   gh_farm_destroy(&r.farm);

@@ -326,7 +326,7 @@ static gh_status forget(const job *j, const study_run *run) {
 static gh_status prepare(job *j, unsigned char *flags) {
   gh_study *s = j->s;
   int others = 0;
-  GH_TRY(scene_results_check(s->ctx, j->folder));
+  GH_TRY(gh_results_folder_check(s->ctx, j->folder));
   GH_TRY(gh_lock_create(s->ctx, j->folder, &j->lock));
   GH_TRY(make_folder(j));
   for (int k = 0; k < j->total; k++) {

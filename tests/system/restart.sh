@@ -131,7 +131,7 @@ refused() {
 fresh() { rm -rf r; cp -r whole r; }
 fresh
 sed 's/to: 0.35/to: 0.36/' all.yaml >other.yaml
-scene=other.yaml refused 'r/checkpoint.h5: cannot go on from this checkpoint: it belongs to another scene file' 'another scene is refused'
+scene=other.yaml refused 'r/checkpoint.h5: cannot continue from this checkpoint: it belongs to another scene file' 'another scene is refused'
 engine=lammps refused 'another engine' 'another engine is refused'
 cp p20.data keep.data
 sed '/^Atoms/,$ s/^\([0-9]* [0-9]* [^ ]* [^ ]* [^ ]*\)\([0-9]\) /\11 /' keep.data >p20.data
@@ -141,7 +141,7 @@ cp keep.data p20.data
 head -c 20000 whole/checkpoint.h5 >r/checkpoint.h5; refused 'r/checkpoint.h5: is damaged: it has 20000 bytes instead of' 'a truncated file is refused'
 : >r/checkpoint.h5; refused 'the file is empty' 'an empty file is refused'
 cp p50.data r/checkpoint.h5; refused 'is damaged, or no binary file of granhom' 'a file of another kind is refused'
-cp whole/results.h5 r/checkpoint.h5; refused 'holds a results 1 of granhom, wanted is a checkpoint 4' 'another HDF5 file is refused'
+cp whole/results.h5 r/checkpoint.h5; refused 'holds a results 1 of granhom, wanted is a checkpoint 5' 'another HDF5 file is refused'
 fresh; rm r/results.h5; refused 'r/results.h5: No such file' 'missing results are told'
 cat >flip.py <<'E'
 """flip.py FILE SEED: turns one random bit of the numbers."""

@@ -3,7 +3,8 @@
 #include "../help.h"
 
 #include "report/report.h"
-#include "scene/results.h"
+#include "results/results.h"
+#include "scene/output.h"
 
 #include <sys/stat.h>
 #include <unistd.h>
@@ -197,13 +198,13 @@ static void drop_bed(bed *b) {
 
 /* Writes the frames first ... last in the manner of one process. */
 static void write_frames(gh_context *ctx, bed *b, int first, int last) {
-  scene_results *r;
-  OK(scene_results_create(b->scene, b->farm, NULL, b->folder, &r));
+  scene_output o;
+  OK(scene_output_create(b->scene, b->farm, NULL, b->folder, &o));
   for (int k = first; k <= last; k++) {
-    scene_frame f = {.counter = k, .name = ""};
-    OK(scene_write_dumps(r, &f));
+    gh_frame f = {.counter = k, .name = ""};
+    OK(results_write_dumps(o.results, &f));
   }
-  scene_results_destroy(&r);
+  scene_output_destroy(&o);
 }
 
 /* A process that is killed within a frame, or that goes on from an earlier increment, leaves no trace. */

@@ -4,7 +4,7 @@
 
 #include "io/file.h"
 #include "report/gnuplot.h"
-#include "scene/results.h"
+#include "granhom/results.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -70,16 +70,16 @@ static void test_script(void **state) {
 }
 
 static void test_column(void **state) {
-  char text[SCENE_COLUMN], long_name[300];
+  char text[GH_COLUMN], long_name[300];
   (void)state;
-  assert_string_equal(scene_column("left", text), "left");
-  assert_string_equal(scene_column("Line 7.a-b/\xc3\xa9", text), "Line_7.a-b/\xc3\xa9");
-  assert_string_equal(scene_column(" a, \"b\" 'c'", text), "_a___b___c_");
-  assert_string_equal(scene_dataset("a/b c", text), "a_b_c");
-  assert_string_equal(scene_dataset(".", text), "_");
+  assert_string_equal(gh_column_name("left", text), "left");
+  assert_string_equal(gh_column_name("Line 7.a-b/\xc3\xa9", text), "Line_7.a-b/\xc3\xa9");
+  assert_string_equal(gh_column_name(" a, \"b\" 'c'", text), "_a___b___c_");
+  assert_string_equal(gh_dataset_name("a/b c", text), "a_b_c");
+  assert_string_equal(gh_dataset_name(".", text), "_");
   memset(long_name, 'x', sizeof long_name);
   long_name[299] = 0;
-  assert_int_equal(strlen(scene_column(long_name, text)), SCENE_COLUMN - 1);
+  assert_int_equal(strlen(gh_column_name(long_name, text)), GH_COLUMN - 1);
 }
 
 int main(void) {

@@ -1,19 +1,14 @@
 /* rves.h5: grains and contacts of the recorded material points at the last increment; traces.h5: where their
  * grains were at all increments. SPDX-License-Identifier: GPL-2.0-or-later */
-#include "scene/results.h"
+#include "results/results.h"
 
 #include <stdlib.h>
 #include <string.h>
 
-gh_status scene_look_at_point(scene_results *r, int point, gh_rve_view *view, const gh_rve_measures **m) {
-  *m = gh_farm_measure(r->farm, point);
-  return *m ? gh_farm_look(r->farm, point, view) : GH_OK;
-}
-
-static gh_status put_rve(scene_results *r, gh_h5 *file, int point) {
+static gh_status rve_put(gh_results *r, gh_h5 *file, int point) {
   gh_rve_view v;
   const gh_rve_measures *m;
-  GH_TRY(scene_look_at_point(r, point, &v, &m));
+  GH_TRY(r->solver->inspect(r->solver->data, point, &v, &m));
   if (!m) return GH_OK;
   size_t n = (size_t)v.n, nc = (size_t)v.ncontacts, most = n > nc ? n : nc;
   char name[64];
@@ -59,39 +54,38 @@ done:
 /* What is recorded of a point: 0 nothing, 1 the last increment, 2 all positions too. */
 enum { LAST = 1, ALL_INCREMENTS = 2, REPLICA = 4 /* flag of a grain */ };
 
-static void take_list(unsigned char *take, int points, const int *list, int count) {
-  for (int k = 0; k < (count == SCENE_ALL_RVES ? points : count); k++)
-    take[count == SCENE_ALL_RVES ? k : list[k]] = ALL_INCREMENTS;
+static void list_take(unsigned char *take, int points, gh_point_list list) {
+  const bool all = list.count == GH_ALL_POINTS;
+  for (int k = 0; k < (all ? points : list.count); k++) take[all ? k : list.point[k]] = ALL_INCREMENTS;
 }
 
-/* What the scene asks for, and what it dumps; without a wish all points if they are few, else the first, the
+/* What the user asks for, and what is dumped; without a wish all points if they are few, else the first, the
  * most loaded and the one nearest to losing ellipticity. The latter two change from increment to increment.
  */
-static void choose(const scene_results *r, unsigned char *take) {
-  const gh_scene *s = r->scene;
-  int points = gh_farm_size(r->farm);
-  take_list(take, points, s->dumps, s->ndumps);
-  if (s->nrves != SCENE_FEW_RVES) take_list(take, points, s->rves, s->nrves);
-  else if (points <= SCENE_FEW) take_list(take, points, NULL, SCENE_ALL_RVES);
+static void points_choose(const gh_results *r, const gh_frame *f, unsigned char *take) {
+  const gh_solver_results *s = r->solver;
+  list_take(take, r->points, s->dumped);
+  if (s->recorded.count != GH_FEW_POINTS) list_take(take, r->points, s->recorded);
+  else if (r->points <= GH_FEW) list_take(take, r->points, (gh_point_list){.count = GH_ALL_POINTS});
   else {
     take[0] = ALL_INCREMENTS;
-    if (!take[r->most_loaded]) take[r->most_loaded] = LAST;
-    if (!take[r->least_stable]) take[r->least_stable] = LAST;
+    if (!take[f->most_loaded]) take[f->most_loaded] = LAST;
+    if (!take[f->least_stable]) take[f->least_stable] = LAST;
   }
 }
 
 /* The primary grains come first; replicas follow them. */
-static size_t primaries(const gh_rve_view *v) {
+static size_t primaries_count(const gh_rve_view *v) {
   size_t n = 0;
   while (n < (size_t)v->n && !(v->flags[n] & REPLICA)) n++;
   return n;
 }
 
-static gh_status put_trace(scene_results *r, gh_h5 *file, int point, int counter) {
+static gh_status trace_put(gh_results *r, gh_h5 *file, int point, int counter) {
   gh_rve_view v;
   const gh_rve_measures *m;
   char name[64];
-  GH_TRY(scene_look_at_point(r, point, &v, &m));
+  GH_TRY(r->solver->inspect(r->solver->data, point, &v, &m));
   if (!m) return GH_OK;
   bool there = counter > 0; /* a run that goes on from a checkpoint may have written further than that */
   for (int k = counter; there; k++) {
@@ -99,22 +93,22 @@ static gh_status put_trace(scene_results *r, gh_h5 *file, int point, int counter
     GH_TRY(gh_h5_remove(file, name, &there));
   }
   snprintf(name, sizeof name, "/trace/%04d/step%04d", point, counter);
-  return gh_h5_put_doubles(file, name, primaries(&v), 2, v.x);
+  return gh_h5_put_doubles(file, name, primaries_count(&v), 2, v.x);
 }
 
 /* rves.h5 is of this increment alone, traces.h5 grows. */
-static gh_status write_file(scene_results *r, const scene_frame *f, const unsigned char *take, bool traces) {
+static gh_status file_write(gh_results *r, const gh_frame *f, const unsigned char *take, bool traces) {
   char *path;
   gh_h5 *file = NULL;
   const char *name = traces ? "traces.h5" : "rves.h5";
-  GH_TRY(scene_result_path(r, name, &path));
-  gh_status status = gh_h5_open(r->ctx, path, scene_h5_kind(name), traces && f->counter > 0, &file);
+  GH_TRY(results_path(r, name, &path));
+  gh_status status = gh_h5_open(r->ctx, path, gh_results_kind(name), traces && f->counter > 0, &file);
   free(path);
   if (status != GH_OK) return status;
   GH_TRY_OR(gh_h5_put_ints(file, "/step", 1, 1, &f->counter), failed);
-  for (int k = 0; k < gh_farm_size(r->farm); k++) {
-    if (traces && take[k] == ALL_INCREMENTS) GH_TRY_OR(put_trace(r, file, k, f->counter), failed);
-    if (!traces && take[k]) GH_TRY_OR(put_rve(r, file, k), failed);
+  for (int k = 0; k < r->points; k++) {
+    if (traces && take[k] == ALL_INCREMENTS) GH_TRY_OR(trace_put(r, file, k, f->counter), failed);
+    if (!traces && take[k]) GH_TRY_OR(rve_put(r, file, k), failed);
   }
   return gh_h5_commit(&file);
 failed:
@@ -122,14 +116,14 @@ failed:
   return status;
 }
 
-gh_status scene_write_rves(scene_results *r, const scene_frame *f) {
+gh_status results_write_rves(gh_results *r, const gh_frame *f) {
   unsigned char *take;
-  size_t points = (size_t)gh_farm_size(r->farm);
+  size_t points = (size_t)r->points;
   GH_TRY(gh_alloc(r->ctx, points, 1, &take));
-  choose(r, take);
+  points_choose(r, f, take);
   bool traces = memchr(take, ALL_INCREMENTS, points), any = traces || memchr(take, LAST, points);
-  gh_status status = any ? write_file(r, f, take, false) : GH_OK;
-  if (status == GH_OK && traces) status = write_file(r, f, take, true);
+  gh_status status = any ? file_write(r, f, take, false) : GH_OK;
+  if (status == GH_OK && traces) status = file_write(r, f, take, true);
   free(take);
   return status;
 }

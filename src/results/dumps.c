@@ -5,7 +5,7 @@
  * that is cut by a kill leaves a part of one frame at the end. Whatever follows the last whole frame of an
  * earlier increment is cut off before the next frame, so that a run that goes on also replaces what a killed
  * one left. */
-#include "scene/results.h"
+#include "results/results.h"
 
 #include <dirent.h>
 #include <errno.h>
@@ -19,21 +19,21 @@
 /* ---- files that grow by whole frames ---- */
 
 /* Passes over one line; false when it is not there with its end. */
-static bool pass_line(FILE *file, char **line, size_t *size) {
+static bool line_pass(FILE *file, char **line, size_t *size) {
   ssize_t n = getline(line, size, file);
   return n > 0 && (*line)[n - 1] == '\n';
 }
 
 /* Passes over one frame of an increment before `counter`; false when there is none, or only a part of one. */
-static bool pass_frame(FILE *file, char **line, size_t *size, long counter) {
+static bool frame_pass(FILE *file, char **line, size_t *size, long counter) {
   long step, rows;
-  if (!pass_line(file, line, size) || strcmp(*line, "ITEM: TIMESTEP\n") != 0) return false;
-  if (!pass_line(file, line, size) || sscanf(*line, "%ld", &step) != 1 || step >= counter) return false;
-  if (!pass_line(file, line, size)) return false;
-  if (!pass_line(file, line, size) || sscanf(*line, "%ld", &rows) != 1) return false;
+  if (!line_pass(file, line, size) || strcmp(*line, "ITEM: TIMESTEP\n") != 0) return false;
+  if (!line_pass(file, line, size) || sscanf(*line, "%ld", &step) != 1 || step >= counter) return false;
+  if (!line_pass(file, line, size)) return false;
+  if (!line_pass(file, line, size) || sscanf(*line, "%ld", &rows) != 1) return false;
   if (rows < 0 || rows > LONG_MAX - 5) return false;
   for (long k = 0; k < rows + 5; k++) /* box and its three sides, head of the table, rows */
-    if (!pass_line(file, line, size)) return false;
+    if (!line_pass(file, line, size)) return false;
   return true;
 }
 
@@ -42,7 +42,7 @@ static gh_status cannot(gh_context *ctx, const char *path, const char *what) {
 }
 
 /* Where the whole frames of increments before `counter` end. */
-static gh_status find_end(gh_context *ctx, const char *path, int counter, off_t *end) {
+static gh_status end_find(gh_context *ctx, const char *path, int counter, off_t *end) {
   bool there = false;
   *end = 0;
   if (counter > 0) GH_TRY(gh_file_there(ctx, path, &there));
@@ -51,7 +51,7 @@ static gh_status find_end(gh_context *ctx, const char *path, int counter, off_t 
   if (!file) return cannot(ctx, path, "open");
   char *line = NULL;
   size_t size = 0;
-  while (pass_frame(file, &line, &size, counter)) *end = ftello(file);
+  while (frame_pass(file, &line, &size, counter)) *end = ftello(file);
   gh_status status = feof(file) || !ferror(file) ? GH_OK : cannot(ctx, path, "read");
   free(line);
   fclose(file);
@@ -59,11 +59,12 @@ static gh_status find_end(gh_context *ctx, const char *path, int counter, off_t 
 }
 
 /* *end: where the frame goes, -1 while unknown; afterwards where the next one goes. */
-static gh_status append(gh_context *ctx, const char *path, int counter, const gh_text *frame, off_t *end) {
+static gh_status frame_append(gh_context *ctx, const char *path, int counter, const gh_text *frame,
+                              off_t *end) {
   size_t length, done = 0;
   GH_TRY(gh_text_check(frame));
   const char *bytes = gh_text_get(frame, &length);
-  if (*end < 0) GH_TRY(find_end(ctx, path, counter, end));
+  if (*end < 0) GH_TRY(end_find(ctx, path, counter, end));
   int fd = open(path, O_WRONLY | O_CREAT | O_CLOEXEC, 0666);
   if (fd < 0) return cannot(ctx, path, "open");
   gh_status status = ftruncate(fd, *end) == 0 ? GH_OK : cannot(ctx, path, "cut");
@@ -87,7 +88,7 @@ typedef struct box {
   double cell[4], turn[4], inverse[4], low[2], high[2];
 } box;
 
-static void find_box(const gh_rve_view *v, box *b) {
+static void box_find(const gh_rve_view *v, box *b) {
   *b = (box){.periodic = v->periodic, .turn = {1, 0, 0, 1}};
   if (v->periodic) {
     double a = hypot(v->cell[0], v->cell[2]), c = v->cell[0] / a, s = v->cell[2] / a;
@@ -108,7 +109,7 @@ static void find_box(const gh_rve_view *v, box *b) {
   }
 }
 
-static void print_head(gh_text *t, long counter, const char *what, int rows, const box *b) {
+static void head_print(gh_text *t, long counter, const char *what, int rows, const box *b) {
   gh_text_print(t, "ITEM: TIMESTEP\n%ld\nITEM: NUMBER OF %s\n%d\n", counter, what, rows);
   if (b->periodic) {
     double tilt = b->cell[1];
@@ -130,7 +131,7 @@ static void columns_print(gh_text *t, const char *what, const gh_term *columns, 
 }
 
 /* x in the box, and how many lattice vectors it is away from it. */
-static void into_box(const box *b, const double from[2], double x[2], int image[2]) {
+static void box_enter(const box *b, const double from[2], double x[2], int image[2]) {
   double s[2];
   gh_apply2(b->turn, from, x);
   image[0] = image[1] = 0;
@@ -143,13 +144,13 @@ static void into_box(const box *b, const double from[2], double x[2], int image[
   for (int k = 0; k < 2; k++) x[k] -= s[k];
 }
 
-static void print_grains(gh_text *t, long counter, const gh_rve_view *v, const box *b) {
-  print_head(t, counter, "ATOMS", v->n, b);
-  columns_print(t, "ATOMS", scene_grain_columns, v->theta ? scene_grain_friction : NULL);
+static void grains_print(gh_text *t, long counter, const gh_rve_view *v, const box *b) {
+  head_print(t, counter, "ATOMS", v->n, b);
+  columns_print(t, "ATOMS", results_grain_columns, v->theta ? results_grain_friction : NULL);
   for (int i = 0; i < v->n; i++) {
     double x[2];
     int image[2];
-    into_box(b, v->x + 2 * i, x, image);
+    box_enter(b, v->x + 2 * i, x, image);
     gh_text_print(t, "%d %d %.17g %.17g 0 %d %d 0 %.17g %d %d %d %d", i + 1, v->type[i], x[0], x[1], image[0],
                   image[1], v->radius[i], v->id[i], v->flags[i] & 1, v->flags[i] >> 1 & 1,
                   v->flags[i] >> 2 & 1);
@@ -160,16 +161,16 @@ static void print_grains(gh_text *t, long counter, const gh_rve_view *v, const b
 
 void gh_dump_grains(gh_text *out, long step, const gh_rve_view *view) {
   box b;
-  find_box(view, &b);
-  print_grains(out, step, view, &b);
+  box_find(view, &b);
+  grains_print(out, step, view, &b);
 }
 
 /* Force on the first grain, its parts along -n (pressing) and along t, n turned by +90 degrees. */
-static void print_contact(gh_text *t, const gh_rve_view *v, const box *b, int k) {
+static void contact_print(gh_text *t, const gh_rve_view *v, const box *b, int k) {
   const gh_contact *c = v->contacts + k;
   double x[2], l[2], f[2], length = hypot(c->l[0], c->l[1]);
   int image[2];
-  into_box(b, v->x + 2 * c->i, x, image);
+  box_enter(b, v->x + 2 * c->i, x, image);
   gh_apply2(b->turn, c->l, l);
   gh_apply2(b->turn, c->f, f);
   double n[2] = {l[0] / length, l[1] / length}, along = f[0] * n[0] + f[1] * n[1];
@@ -182,14 +183,14 @@ static void print_contact(gh_text *t, const gh_rve_view *v, const box *b, int k)
   gh_text_print(t, "\n");
 }
 
-static void print_contacts(gh_text *t, long counter, const gh_rve_view *v, const box *b) {
-  print_head(t, counter, "ENTRIES", v->ncontacts, b);
-  columns_print(t, "ENTRIES", scene_contact_columns, v->friction ? scene_contact_friction : NULL);
-  for (int k = 0; k < v->ncontacts; k++) print_contact(t, v, b, k);
+static void contacts_print(gh_text *t, long counter, const gh_rve_view *v, const box *b) {
+  head_print(t, counter, "ENTRIES", v->ncontacts, b);
+  columns_print(t, "ENTRIES", results_contact_columns, v->friction ? results_contact_friction : NULL);
+  for (int k = 0; k < v->ncontacts; k++) contact_print(t, v, b, k);
 }
 
-static gh_status dump(scene_results *r, const scene_frame *f, const char *folder, int point, bool contacts,
-                      const gh_rve_view *v, const box *b, off_t *end) {
+static gh_status point_dump(gh_results *r, const gh_frame *f, const char *folder, int point, bool contacts,
+                            const gh_rve_view *v, const box *b, off_t *end) {
   char name[64];
   gh_text *frame;
   snprintf(name, sizeof name, "point_%d.%sdump", point, contacts ? "contacts." : "");
@@ -197,8 +198,8 @@ static gh_status dump(scene_results *r, const scene_frame *f, const char *folder
   if (!path) return gh_fail(r->ctx, GH_MEMORY, "no memory for a path");
   gh_status status = gh_text_create(r->ctx, &frame);
   if (status == GH_OK) {
-    (contacts ? print_contacts : print_grains)(frame, f->counter, v, b);
-    status = append(r->ctx, path, f->counter, frame, end);
+    (contacts ? contacts_print : grains_print)(frame, f->counter, v, b);
+    status = frame_append(r->ctx, path, f->counter, frame, end);
     gh_text_destroy(&frame);
   }
   free(path);
@@ -206,7 +207,7 @@ static gh_status dump(scene_results *r, const scene_frame *f, const char *folder
 }
 
 /* The dumps of a run before. */
-static void clear(const char *folder) {
+static void dumps_remove(const char *folder) {
   DIR *dir = opendir(folder);
   for (struct dirent *e; dir && (e = readdir(dir));) {
     if (strncmp(e->d_name, "point_", 6) != 0 || strlen(e->d_name) < 5 ||
@@ -219,9 +220,10 @@ static void clear(const char *folder) {
   if (dir) closedir(dir);
 }
 
-static gh_status dump_all(scene_results *r, const scene_frame *f, const char *folder) {
-  const gh_scene *s = r->scene;
-  int count = s->ndumps == SCENE_ALL_RVES ? gh_farm_size(r->farm) : s->ndumps;
+static gh_status dumps_write(gh_results *r, const gh_frame *f, const char *folder) {
+  const gh_solver_results *s = r->solver;
+  const bool all = s->dumped.count == GH_ALL_POINTS;
+  int count = all ? r->points : s->dumped.count;
   if (count == 0) return GH_OK;
   GH_TRY(gh_folder_make(r->ctx, folder));
   if (!r->dump_end) {
@@ -229,24 +231,24 @@ static gh_status dump_all(scene_results *r, const scene_frame *f, const char *fo
     for (int k = 0; k < 2 * count; k++) r->dump_end[k] = -1;
   }
   for (int k = 0; k < count; k++) {
-    int point = s->ndumps == SCENE_ALL_RVES ? k : s->dumps[k];
+    int point = all ? k : s->dumped.point[k];
     gh_rve_view v;
     const gh_rve_measures *m;
     box b;
-    GH_TRY(scene_look_at_point(r, point, &v, &m));
+    GH_TRY(s->inspect(s->data, point, &v, &m));
     if (!m) continue;
-    find_box(&v, &b);
-    GH_TRY(dump(r, f, folder, point, false, &v, &b, r->dump_end + 2 * k));
-    GH_TRY(dump(r, f, folder, point, true, &v, &b, r->dump_end + 2 * k + 1));
+    box_find(&v, &b);
+    GH_TRY(point_dump(r, f, folder, point, false, &v, &b, r->dump_end + 2 * k));
+    GH_TRY(point_dump(r, f, folder, point, true, &v, &b, r->dump_end + 2 * k + 1));
   }
   return GH_OK;
 }
 
-gh_status scene_write_dumps(scene_results *r, const scene_frame *f) {
+gh_status results_write_dumps(gh_results *r, const gh_frame *f) {
   char *folder;
-  GH_TRY(scene_result_path(r, "dumps", &folder));
-  if (f->counter == 0) clear(folder);
-  gh_status status = f->counter % r->scene->dump_every == 0 ? dump_all(r, f, folder) : GH_OK;
+  GH_TRY(results_path(r, "dumps", &folder));
+  if (f->counter == 0) dumps_remove(folder);
+  gh_status status = f->counter % r->solver->dump_every == 0 ? dumps_write(r, f, folder) : GH_OK;
   free(folder);
   return status;
 }

@@ -1,0 +1,14 @@
+/* A checkpoint that is written or read. SPDX-License-Identifier: GPL-2.0-or-later */
+#ifndef GRANHOM_RESULTS_ARCHIVE_H
+#define GRANHOM_RESULTS_ARCHIVE_H
+
+#include "results/results.h"
+
+struct gh_archive {
+  gh_context *ctx;
+  gh_h5 *file;
+  uint64_t sum;
+  size_t bytes; /* of a file that is read */
+};
+
+#endif
