@@ -380,8 +380,12 @@ static gh_status open_dataset(const gh_h5 *f, const char *name, hid_t *set) {
     return gh_fail(f->ctx, GH_INPUT, "%s: cannot find %s: object '%s' doesn't exist", f->path, name,
                    last ? last + 1 : name);
   }
-  *set = H5Dopen2(f->id, name, H5P_DEFAULT);
-  return *set < 0 ? fail(f, GH_MEMORY, "open", name) : GH_OK; /* it is there, and not damaged */
+  *set = H5Oopen(f->id, name, H5P_DEFAULT);
+  if (*set < 0) return fail(f, GH_MEMORY, "open", name); /* it is there, and not damaged */
+  if (H5Iget_type(*set) == H5I_DATASET) return GH_OK;
+  H5Oclose(*set);
+  *set = -1;
+  return gh_fail(f->ctx, GH_INPUT, "%s: %s is no dataset", f->path, name);
 }
 
 static gh_status get(const gh_h5 *f, const char *name, hid_t type, size_t rows, size_t cols, void *data) {

@@ -182,7 +182,8 @@ static bool is_blank_or_end(char c) {
 static int wide_escape(const char *text, char out[8]) {
   const unsigned char *c = (const unsigned char *)text;
   if (c[0] == 0xC2 && c[1] >= 0x80 && c[1] < 0xA0) {
-    snprintf(out, 8, "\\x%02X", c[1]);
+    if (c[1] == 0x85) snprintf(out, 8, "\\N");
+    else snprintf(out, 8, "\\x%02X", c[1]);
     return 2;
   }
   static const struct {

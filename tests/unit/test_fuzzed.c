@@ -55,6 +55,24 @@ static void a_printed_document_is_the_same(void **state) {
 }
 
 /* Keys that are set are printed so that they can be read, or refused when they are no text. */
+/* Characters that no YAML text holds as they are, in the name of a key that is set: printed as escapes. */
+static void keys_of_controls(void **state) {
+  place *p = *state;
+  char key[8], wanted[64];
+  for (unsigned c = 0x80; c < 0xA0; c++) {
+    if (c == 0x85) continue; /* the line break \N, above */
+    snprintf(key, sizeof key, "k%c%cx", 0xC2, (int)c);
+    gh_yaml *doc = parsed(p, "a: 1\n"), *again;
+    assert_int_equal(gh_yaml_set(doc, key, "2"), GH_OK);
+    snprintf(wanted, sizeof wanted, "{a: 1, \"k\\x%02Xx\": 2}", c);
+    assert_printed(p, doc, wanted);
+    again = parsed(p, wanted);
+    assert_printed(p, again, wanted);
+    gh_yaml_destroy(&again);
+    gh_yaml_destroy(&doc);
+  }
+}
+
 static void odd_keys_are_set_or_refused(void **state) {
   place *p = *state;
   const char *const keys[] = {"%%", "  b", "- b", "b: c", "@b", "b:", "&b", "!b"},
@@ -135,11 +153,10 @@ static void diameters_have_third_powers(void **state) {
 
 int main(void) {
 #define TEST(f) cmocka_unit_test_setup_teardown(f, begin, end)
-  const struct CMUnitTest tests[] = {TEST(a_message_has_no_control_characters),
-                                     TEST(a_printed_document_is_the_same),
-                                     TEST(odd_keys_are_set_or_refused),
-                                     TEST(a_mesh_without_names_is_read),
-                                     TEST(a_dataset_is_no_group),
-                                     TEST(diameters_have_third_powers)};
+  const struct CMUnitTest tests[] = {
+      TEST(a_message_has_no_control_characters), TEST(a_printed_document_is_the_same),
+      TEST(odd_keys_are_set_or_refused),         TEST(keys_of_controls),
+      TEST(a_mesh_without_names_is_read),        TEST(a_dataset_is_no_group),
+      TEST(diameters_have_third_powers)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
