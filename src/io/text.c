@@ -2,7 +2,6 @@
 #include "io/file.h"
 
 #include <errno.h>
-#include <libgen.h>
 #include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
@@ -173,18 +172,4 @@ gh_status gh_folder_make(gh_context *ctx, const char *path) {
   }
   free(part);
   return s;
-}
-
-char *gh_path_join(const char *dir, const char *name) {
-  if (*name == '/' || !*dir) return strdup(name);
-  size_t n = strlen(dir), size = n + strlen(name) + 2;
-  char *path = malloc(size);
-  if (path) snprintf(path, size, "%s%s%s", dir, dir[n - 1] == '/' ? "" : "/", name);
-  return path;
-}
-
-char *gh_path_folder(const char *path) {
-  char *copy = strdup(path), *folder = copy ? strdup(dirname(copy)) : NULL;
-  free(copy);
-  return folder;
 }

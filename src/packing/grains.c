@@ -101,14 +101,6 @@ const char *gh_grow_stop_text(gh_grow_stop stop) {
   return "unknown";
 }
 
-gh_status gh_packing_grow(gh_context *ctx, int dim, int n, const double *diameter, const int *type,
-                          const gh_grow_options *options, gh_grains **grains, gh_grow_result *result) {
-  if (dim == 2) return gh_packing_grow2(ctx, n, diameter, type, options, grains, result);
-  if (dim == 3) return gh_packing_grow3(ctx, n, diameter, type, options, grains, result);
-  *grains = NULL;
-  return gh_fail(ctx, GH_INPUT, "packing: %d dimensions; 2 or 3 are possible", dim);
-}
-
 static int ascending(const void *a, const void *b) {
   double x = *(const double *)a, y = *(const double *)b;
   return (x > y) - (x < y);

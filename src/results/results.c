@@ -6,23 +6,6 @@
 #include <string.h>
 #include <time.h>
 
-/* ---- folder ---- */
-
-gh_status gh_results_folder_check(gh_context *ctx, const char *folder) {
-  static const char *const files[] = {"results.h5",      "results.xdmf", "points.xdmf", "rves.h5",
-                                      "traces.h5",       "history.csv",  "timing.csv",  "run.json",
-                                      "convergence.csv", "checkpoint.h5"};
-  GH_TRY(gh_output_folder_check(ctx, folder));
-  for (size_t k = 0; k < sizeof files / sizeof *files; k++)
-    GH_TRY(gh_output_within(ctx, folder, files[k], false));
-  return gh_output_within(ctx, folder, "dumps", true);
-}
-
-gh_status results_path(const gh_results *r, const char *name, char **path) {
-  *path = gh_path_join(r->folder, name);
-  return *path ? GH_OK : gh_fail(r->ctx, GH_MEMORY, "no memory for a path");
-}
-
 static gh_status text_commit(gh_results *r, gh_text *text, const char *name) {
   char *path;
   GH_TRY(results_path(r, name, &path));

@@ -19,9 +19,9 @@ struct gh_results {
   double *value;   /* scratch: of the largest field, or a row of history.csv */
 };
 
-/* results.c: a file of the folder; the caller frees. */
+/* folder.c: a file of the folder; the caller frees. */
 gh_status results_path(const gh_results *r, const char *name, char **path);
-/* The texts that grow with the run. */
+/* results.c: the texts that grow with the run. */
 typedef struct results_text {
   const char *name;
   gh_text *text;

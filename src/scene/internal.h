@@ -120,6 +120,7 @@ gh_status scene_program_create(gh_scene *scene);
 void scene_program_destroy(gh_scene *scene);
 /* Goes through all steps without solving anything: supports, releases, confinement. */
 gh_status scene_program_check(gh_scene *scene);
+/* boundary.c */
 /* Whether some edge of the outer boundary is free to move along its normal, so that nothing but a load can
  * hold a stress there. */
 bool scene_boundary_is_free(const gh_scene *scene);

@@ -42,9 +42,6 @@ typedef struct scene_output {
 gh_status scene_output_create(gh_scene *scene, gh_farm *farm, gh_macro *macro, const char *folder,
                               scene_output *o);
 void scene_output_destroy(scene_output *o);
-/* Stress and acoustic tensor of each integration point, what is largest and smallest. GH_DIVERGED: a number
- * is not finite. */
-gh_status scene_output_inspect(scene_output *o);
 /* Inspects, and writes the increment. frame: counter, step, increment, name, time. */
 gh_status scene_output_write(scene_output *o, gh_frame frame, const gh_macro_report *report,
                              const gh_run_summary *summary);
@@ -54,6 +51,12 @@ gh_status scene_output_close(scene_output *o, gh_status status, const char *outc
 gh_status scene_checkpoint_make(scene_output *o, scene_position *position, gh_h5 **file);
 /* Into farm, body, texts of the results and *position. The plan of the loads is up to the caller. */
 gh_status scene_checkpoint_read(scene_output *o, scene_position *position);
+
+/* ---- inspect.c ---- */
+
+/* Stress and acoustic tensor of each integration point, what is largest and smallest. GH_DIVERGED: a number
+ * is not finite. */
+gh_status scene_output_inspect(scene_output *o);
 
 /* ---- fields.c ---- */
 
