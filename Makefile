@@ -13,6 +13,7 @@
 #   make bench    times of one RVE update and of the farm
 #   make fuzz     an hour of random inputs for all readers and of mutated scripts, scenes and studies (FUZZ_SECONDS, FUZZ_JOBS,
 #                 FUZZ_SEED, FUZZ_ONLY="gmsh scene"), on a build with sanitizers; findings are kept in build-fuzz/findings
+#   make bitwise  results of scenes and paths against those of an earlier commit, to the last bit (tests/bitwise.sh)
 #   make faults   every allocation and every call on files fails once, on one and two ranks: run, rve, element, pack, report ...; half
 #                 an hour on two free cores (SAMPLE=N: N points a row, a minute or two)
 #   make extreme  the cases of docs/reports/stability.md, the long ones too, and its table
@@ -88,7 +89,7 @@ FUZZ := $(patsubst %.c,$(BUILD)/%,$(wildcard tests/fuzz/fuzz_*.c))
 FUZZ_LOOP := $(if $(filter 0,$(LIBFUZZER)),$(BUILD)/tests/fuzz/standalone.c.o)
 FUZZ_OBJ := $(BUILD)/tests/fuzz/fuzz.c.o $(FUZZ_LOOP) $(filter-out %/main.c.o,$(DOBJ))
 
-.PHONY: all lib demo check bench asan valgrind plugin install uninstall clean packages tests-only fuzz fuzz-build fuzz-targets
+.PHONY: bitwise all lib demo check bench asan valgrind plugin install uninstall clean packages tests-only fuzz fuzz-build fuzz-targets
 .DEFAULT_GOAL := all
 .PRECIOUS: $(BUILD)/%.c.o $(BUILD)/%.cpp.o
 all: $(BUILD)/granhom $(MODULE)
@@ -211,6 +212,8 @@ verification:
 	@scripts/block-study.sh $(BUILD)
 # Calls that fail (docs/explanation/architecture.md, "Failing calls"); a sample of it is in make check.
 .PHONY: faults
+bitwise: all
+	@BUILD=$(BUILD) tests/bitwise.sh
 faults:
 	@scripts/install-packages.sh check
 	@$(MAKE) --no-print-directory -j$$(nproc) all
