@@ -9,7 +9,7 @@
 #   make plugin   build/granhomplugin.so, granhom's styles for LAMMPS's own program (docs/reference/lammps/README.md)
 #   make debian13 make check in a Debian 13 system made below build/ (scripts/check-debian13.sh; needs root)
 #   make asan     the tests under sanitizers;   make valgrind   under valgrind
-#   make tidy     clang-tidy over all sources (.clang-tidy);   make format, make format-check   clang-format, or what it would change
+#   make tidy     clang-tidy over library and program (.clang-tidy);   make format, make format-check   clang-format, or what it would change
 #   make bench    times of one RVE update and of the farm
 #   make fuzz     an hour of random inputs for all readers and of mutated scripts, scenes and studies (FUZZ_SECONDS, FUZZ_JOBS,
 #                 FUZZ_SEED, FUZZ_ONLY="gmsh scene"), on a build with sanitizers; findings are kept in build-fuzz/findings

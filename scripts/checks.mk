@@ -11,8 +11,8 @@ format-check:
 	@clang-format --dry-run --Werror $(SOURCES)
 	@echo "format-check: no differences"
 
-# One file at a time, again when it, one of its headers or .clang-tidy has changed.
-TIDY := $(addsuffix .tidy,$(addprefix $(BUILD)/,$(SRC) $(MODULE_SRC) $(DRV) $(TESTS) $(wildcard tests/fuzz/*.c tests/bench/*.c)))
+# The library, the LAMMPS engine and the program, one file at a time: again when it, one of its headers or .clang-tidy has changed.
+TIDY := $(addsuffix .tidy,$(addprefix $(BUILD)/,$(SRC) $(MODULE_SRC) $(DRV)))
 tidy:
 	@scripts/install-packages.sh tidy
 	@$(MAKE) --no-print-directory -k -j$$(nproc) $(TIDY)

@@ -82,6 +82,10 @@ void gh_set_progress(gh_context *ctx, gh_progress_sink *sink, void *data);
 gh_status gh_fail(gh_context *ctx, gh_status s, const char *format, ...) GH_PRINTF(3, 4);
 /* Puts text before the stored message: "integration point 17: " + message. Returns s. */
 gh_status gh_prefix(gh_context *ctx, gh_status s, const char *format, ...) GH_PRINTF(3, 4);
+#ifdef __clang_analyzer__ /* which reads one file at a time and has to be told what they return */
+#define gh_fail(ctx, s, ...) (gh_fail(ctx, s, __VA_ARGS__), (s))
+#define gh_prefix(ctx, s, ...) (gh_prefix(ctx, s, __VA_ARGS__), (s))
+#endif
 void gh_log(gh_context *ctx, gh_level level, const char *format, ...) GH_PRINTF(3, 4);
 
 /* Returns from the calling function when call fails. */

@@ -8,6 +8,9 @@
 
 enum { MESSAGE_SIZE = 2048 };
 
+#undef gh_fail
+#undef gh_prefix
+
 struct gh_context {
   char message[MESSAGE_SIZE];
   gh_log_sink *log;

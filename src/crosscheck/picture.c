@@ -28,7 +28,7 @@ static void data_print(const gh_crosscheck *c, gh_text *t) {
 }
 
 static bool engine_drawn(const gh_crosscheck *c, int e) {
-  return c->level[0].trace[e].result.rows > 0;
+  return e < GH_CROSS_ENGINES && c->level[0].trace[e].result.rows > 0;
 }
 
 /* The component's name beside the last point of the reference. */

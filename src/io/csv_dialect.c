@@ -87,7 +87,7 @@ static char *unquote(char *text, char **end) {
 
 gh_status gh_table_field(gh_table *t, char **rest, char **field) {
   char *begin = *rest, *end;
-  if (t->separator == ' ' || t->separator != '\t') begin += strspn(begin, " \t");
+  if (t->separator != '\t') begin += strspn(begin, " \t");
   else begin += strspn(begin, " ");
   t->quoted = *begin == '"' && t->separator != ' ';
   if (t->quoted) {

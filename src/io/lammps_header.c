@@ -68,7 +68,7 @@ static gh_status read_bounds(gh_data_parser *p, char *const *word, int d) {
   double *low = &p->data->low[d], *high = &p->data->high[d];
   char name[4] = {(char)('x' + d), 'l', 'o', 0};
   GH_TRY(gh_data_number(p, word[0], name, low));
-  memcpy(name + 1, "hi", 2);
+  name[1] = 'h', name[2] = 'i';
   GH_TRY(gh_data_number(p, word[1], name, high));
   /* also the size: it overflows for bounds near the largest number */
   if (!(*low < *high) || !isfinite(*high - *low)) {

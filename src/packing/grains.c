@@ -86,7 +86,8 @@ failed:
 /* ---- growth ---- */
 
 gh_grow_options gh_grow_defaults(int dim) {
-  return (gh_grow_options){.seed = 1, .rate = dim == 2 ? 1e-3 : 1e-3, .threshold = 1e-9, .window = 1};
+  (void)dim; /* the same in two and three dimensions */
+  return (gh_grow_options){.seed = 1, .rate = 1e-3, .threshold = 1e-9, .window = 1};
 }
 
 const char *gh_grow_stop_text(gh_grow_stop stop) {

@@ -145,7 +145,7 @@ static gh_status take_increment(report *r, int k, paths *t) {
 }
 
 static gh_status take_paths(report *r, paths *t) {
-  size_t n = (size_t)(r->n * r->npoints);
+  size_t n = (size_t)r->n * (size_t)r->npoints;
   GH_TRY(gh_alloc(r->ctx, 5 * n, sizeof *t->memory, &t->memory));
   double **const at[] = {&t->p, &t->q, &t->coordination, &t->anisotropy, &t->increment};
   for (size_t k = 0; k < 5; k++) *at[k] = t->memory + k * n;

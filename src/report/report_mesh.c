@@ -225,7 +225,7 @@ typedef struct patches {
 static gh_status colour_patches(const picture *p, const double *value, double low, double high, patches *t) {
   int ne = p->r->mesh.nelements, side = (int)sqrt(6000.0 / ne);
   t->side = side = side < 1 ? 1 : side > 24 ? 24 : side;
-  size_t each = (size_t)(side * side);
+  size_t each = (size_t)side * (size_t)side;
   GH_TRY(gh_alloc(p->r->ctx, each * (size_t)ne, 1, &t->colour));
   for (size_t k = 0; k < each * (size_t)ne; k++) {
     int e = (int)(k / each), rest = (int)(k % each);

@@ -1,10 +1,11 @@
 #!/usr/bin/env bash
 # granhom's styles in LAMMPS's own program: preloaded, and by `plugin load` where it has the package PLUGIN. The program `granhom lammps`
-# with the same script is the standard. LMP: another program than the installed lmp. SPDX-License-Identifier: GPL-2.0-or-later
+# with the same script is the standard. LMP, PLUGIN: another program than the installed
+# lmp and its plugin. SPDX-License-Identifier: GPL-2.0-or-later
 set -u
 . "$(dirname "$0")/../shell.sh" # begin, say, check
 begin
-plugin=$BUILD/granhomplugin.so
+plugin=${PLUGIN:-$BUILD/granhomplugin.so}
 lmp=${LMP:-lmp}
 inputs=$root/lammps-inputs
 script() { "$@" -var data "$inputs/p150.data" -log none -screen none >said 2>said.err; }
@@ -25,7 +26,7 @@ say $? 'in.shear in granhom lammps'
 
 # ---- preloaded: works where the program calls post_create through the table of symbols, as Debian's does ----
 preloaded() { env LD_PRELOAD="$plugin" "$lmp" "$@"; }
-if ldd "$(command -v "$lmp")" | grep -q liblammps && [ -z "${LMP:-}" ]; then
+if ldd "$(command -v "$lmp")" 2>/dev/null | grep -q liblammps && [ -z "${LMP:-}" ]; then
   script preloaded -in "$inputs/in.shear" -var out got.txt && cmp -s wanted.txt got.txt
   say $? 'in.shear in lmp with the plugin preloaded: the same to the last bit'
   { printf 'pair_style granhom/coulomb\nclear\n'; cat "$inputs/in.shear"; } >clear.in

@@ -76,7 +76,7 @@ void ComputeContact::check_list(const PairNormal &p) {
 
 void ComputeContact::refuse_stale(const PairNormal &p) {
   int stale = !p.builds || (coulomb && !(coulomb->history() && coulomb->history()->fresh())) ||
-              p.build_id.size() != (std::size_t)(atom->nlocal + atom->nghost) ||
+              p.build_id.size() != (std::size_t)atom->nlocal + (std::size_t)atom->nghost ||
               !std::equal(p.build_id.begin(), p.build_id.end(), atom->tag);
   double mine[2] = {(double)stale, 0}, all[2];
   if (!stale)
