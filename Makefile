@@ -21,11 +21,17 @@
 #   make docs     keys, columns and commands in docs/reference, from the program
 #   make verification   tables and pictures of docs/reports/verification.md (a quarter of an hour)
 #   make install  PREFIX=/usr/local DESTDIR=   program, library, headers, granhom.pc, manual page;   make uninstall;   make clean
-# BUILD=DIR: another folder than build; CC, CXX, OPT, ARCH: compilers and their options.
+# BUILD=DIR: another folder than build; CC, CXX, OPT, ARCH: compilers and their options; DEBUG=1: -O0, and messages say where they come from.
 BUILD  ?= build
 PREFIX ?= /usr/local
 ARCH   ?= -march=native
+# DEBUG=1, or OPT=-O0: messages say where they come from (gh_fail_at).
+DEBUG  ?= 0
+ifeq ($(DEBUG),1)
+OPT    ?= -O0
+endif
 OPT    ?= -O3
+DEBUGGED := $(if $(filter 1,$(DEBUG))$(filter -O0,$(OPT)),-DGH_DEBUG)
 MODULES ?= base io mesh contact packing engine engine/native micro farm control macro prepare results report scene crosscheck study
 
 # MPI=0: granhom's own code knows no ranks; LAMMPS keeps the MPI that it was built with. HDF5=0: results as text alone.
@@ -47,7 +53,7 @@ endif
 WARN   := -Wall -Wextra -Wpedantic -Werror
 # All objects serve the shared library too: position-independent code costs nothing here (docs/reports/performance.md).
 PIC    := -fPIC -fno-semantic-interposition
-FLAGS  := $(OPT) -g $(ARCH) -fno-math-errno $(PIC) $(SAN) $(WARN) -Iinclude -Isrc -I$(BUILD) -DGH_BUILD_FLAGS='"$(OPT) $(ARCH) $(SAN)"'
+FLAGS  := $(OPT) -g $(ARCH) -fno-math-errno $(PIC) $(SAN) $(WARN) -Iinclude -Isrc -I$(BUILD) -DGH_BUILD_FLAGS='"$(OPT) $(ARCH) $(SAN)"' $(DEBUGGED)
 CPPFLAGS_PKG := $(shell $(PKG_CONFIG) --cflags $(PKGS) 2>/dev/null | sed 's/-I/-isystem /g') -isystem /usr/include/suitesparse $(if $(filter 0,$(MPI)),-DGH_NO_MPI)
 MPI_OF_LAMMPS := $(shell $(PKG_CONFIG) --cflags ompi-c 2>/dev/null | sed 's/-I/-isystem /g')
 # LAMMPS's headers: those of the package, or the folder `src` of its sources.
@@ -97,7 +103,7 @@ lib: $(LIB) $(SHARED) $(RVE_SHARED) $(MODULE)
 
 # Objects of another choice of MPI, HDF5, LAMMPS, compilers and their options are not mixed with these.
 LAMMPS_VERSION := $(shell $(PKG_CONFIG) --modversion liblammps 2>/dev/null | grep -xE '[0-9]{8}' || echo 0)
-CHOICE := MPI=$(MPI) HDF5=$(HDF5) LAMMPS=$(LAMMPS) $(LAMMPS_VERSION) $(lastword $(CC)) $(lastword $(CXX)) $(OPT) $(ARCH) $(SAN)
+CHOICE := MPI=$(MPI) HDF5=$(HDF5) LAMMPS=$(LAMMPS) $(LAMMPS_VERSION) $(lastword $(CC)) $(lastword $(CXX)) $(OPT) $(ARCH) $(SAN) $(DEBUGGED)
 $(shell mkdir -p $(BUILD); echo '$(CHOICE)' | cmp -s - $(BUILD)/choice || echo '$(CHOICE)' >$(BUILD)/choice)
 
 # What answers and their seconds depend on, as a number: records of a study tell by it of which build they are.
@@ -134,7 +140,7 @@ $(RVE_SHARED): $(RVE_OBJ) scripts/libgranhom.map
 # Exported are its table, and LAMMPS's functions that it replaces (src/engine/lammps/interpose*.cpp).
 $(MODULE): $(MODULE_OBJ) $(MODULE_OWN) scripts/granhom-lammps.map
 	@echo "  LD   $@"
-	@$(SHARE) -Wl,--version-script=scripts/granhom-lammps.map $(MODULE_OBJ) $(MODULE_OWN) $(LIBS_LAMMPS) -o $@.tmp && mv $@.tmp $@
+	@$(SHARE) -Wl,-Bsymbolic -Wl,--version-script=scripts/granhom-lammps.map $(MODULE_OBJ) $(MODULE_OWN) $(LIBS_LAMMPS) -o $@.tmp && mv $@.tmp $@
 $(BUILD)/granhom: $(DOBJ) $(LIB)
 	@echo "  LD   $@"
 	@$(CC) $(LDFLAGS) $(DOBJ) $(LIB) $(LDLIBS) -o $@
@@ -157,7 +163,7 @@ $(BUILD)/tests/unit/test_lean: LDFLAGS += $(COUNTED:%=-Wl,--wrap=%)
 # The styles for LAMMPS's own program: what they need of this library, and no more. With the package's headers for the package's
 # library, so that it can be preloaded (programs that lmp starts see it too); with other headers for the LAMMPS that loads it.
 PLUGIN := $(BUILD)/granhomplugin.so
-PLUGIN_SRC := $(filter-out %/bridge.c %/guard.cpp %/interpose.cpp %/interpose_programs.cpp %/module.c,$(MODULE_SRC)) \
+PLUGIN_SRC := $(filter-out %/bridge.c %/guard.cpp %/interpose.cpp %/interpose_programs.cpp %/rebind.cpp %/module.c,$(MODULE_SRC)) \
   $(filter src/engine/relax%,$(SRC))
 $(PLUGIN): $(PLUGIN_SRC:%=$(BUILD)/%.o) scripts/granhomplugin.map
 	@echo "  LD   $@"

@@ -80,6 +80,12 @@ void gh_set_progress(gh_context *ctx, gh_progress_sink *sink, void *data);
 /* Stores the message (what, where, which value, which limit) and returns s, so that callers write
  * `return gh_fail(ctx, GH_INPUT, "%s:%d: ...", file, line);` */
 gh_status gh_fail(gh_context *ctx, gh_status s, const char *format, ...) GH_PRINTF(3, 4);
+/* The same with its place: "... [src/io/csv.c:12 row_read]". Debug builds (make DEBUG=1) add it. */
+gh_status gh_fail_at(const char *file, int line, const char *function, gh_context *ctx, gh_status s,
+                     const char *format, ...) GH_PRINTF(6, 7);
+#ifdef GH_DEBUG
+#define gh_fail(ctx, ...) gh_fail_at(__FILE__, __LINE__, __func__, ctx, __VA_ARGS__)
+#endif
 /* Puts text before the stored message: "integration point 17: " + message. Returns s. */
 gh_status gh_prefix(gh_context *ctx, gh_status s, const char *format, ...) GH_PRINTF(3, 4);
 #ifdef __clang_analyzer__ /* which reads one file at a time and has to be told what they return */

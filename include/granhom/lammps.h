@@ -14,7 +14,7 @@ extern "C" {
 #endif
 
 /* A silent instance on this process alone (MPI_COMM_SELF; MPI is initialised if nobody did), with granhom's
- * styles. GH_ENGINE: version below 29 Sep 2021, or another copy of LAMMPS was loaded before the module. */
+ * styles. GH_ENGINE: version below 29 Sep 2021, or a LAMMPS whose functions cannot be replaced. */
 gh_status gh_lmp_open(gh_context *ctx, void **lmp);
 /* Of an open instance, as a date: 20210929. */
 int gh_lmp_version(gh_context *ctx, void *lmp);

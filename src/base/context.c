@@ -70,13 +70,31 @@ static void message_clean(char *text) {
     else if ((unsigned char)*c < ' ' || *c == 0x7F) *c = '?';
 }
 
-gh_status gh_fail(gh_context *ctx, gh_status s, const char *format, ...) {
-  char text[MESSAGE_SIZE]; /* the arguments may point into the stored message */
+/* The arguments may point into the stored message. */
+static void message_print(char text[MESSAGE_SIZE], const char *format, va_list args) {
+  vsnprintf(text, MESSAGE_SIZE, format, args);
+  message_clean(text);
+}
+
+gh_status(gh_fail)(gh_context *ctx, gh_status s, const char *format, ...) {
+  char text[MESSAGE_SIZE];
   va_list args;
   va_start(args, format);
-  vsnprintf(text, sizeof text, format, args);
+  message_print(text, format, args);
   va_end(args);
-  message_clean(text);
+  if (ctx) memcpy(ctx->message, text, sizeof text);
+  return s;
+}
+
+gh_status gh_fail_at(const char *file, int line, const char *function, gh_context *ctx, gh_status s,
+                     const char *format, ...) {
+  char text[MESSAGE_SIZE];
+  va_list args;
+  va_start(args, format);
+  message_print(text, format, args);
+  va_end(args);
+  const size_t used = strlen(text);
+  snprintf(text + used, sizeof text - used, " [%s:%d %s]", file, line, function);
   if (ctx) memcpy(ctx->message, text, sizeof text);
   return s;
 }

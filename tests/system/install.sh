@@ -110,9 +110,9 @@ told "LAMMPS's error with the shared library" "Unrecognized pair style 'nonsense
 check "statically" gcc error.c "${cflags[@]}" "${static_libs[@]}" -o error_static
 told "LAMMPS's error with the static library" "Unrecognized pair style 'nonsense'" ./error_static
 check "together with LAMMPS" gcc error.c "${cflags[@]}" "${libs[@]}" -Wl,--no-as-needed -llammps -o error_with
-told "a program that has loaded LAMMPS before" "granhom-lammps.so in the search order of symbols" ./error_with
-with_module() { LD_PRELOAD=$prefix/lib/granhom/granhom-lammps.so ./error_with; }
-told "LAMMPS's error in it with the module first" "Unrecognized pair style 'nonsense'" with_module
+told "LAMMPS's error in a program that links LAMMPS too" "Unrecognized pair style 'nonsense'" ./error_with
+check "LAMMPS first" gcc error.c "${cflags[@]}" -Wl,--no-as-needed -llammps "${libs[@]}" -o error_after
+told "in the other order" "Unrecognized pair style 'nonsense'" ./error_after
 cat >error.py <<'END'
 import ctypes, sys
 gh = ctypes.CDLL(sys.argv[1])

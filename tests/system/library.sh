@@ -73,22 +73,40 @@ check "and loads no MPI" test -z "$(ldd granhom-rve/material | grep -E 'mpi|hdf5
 
 # --- a program that loads a library itself, in whatever order ---
 cat >load.py <<'END'
-import ctypes, sys
-libraries = [ctypes.CDLL(name) for name in sys.argv[1:]]
-gh = libraries[0] if "granhom" in sys.argv[1] else libraries[1]
+import ctypes, os, sys
+libraries = [ctypes.CDLL(name, mode=os.RTLD_GLOBAL if "lammps" in name else 0) for name in sys.argv[1:]]
+gh = libraries[["granhom" in name for name in sys.argv[1:]].index(True)]
 ctx, lmp = ctypes.c_void_p(), ctypes.c_void_p()
 gh.gh_message.restype = ctypes.c_char_p
 assert gh.gh_context_create(ctypes.byref(ctx)) == 0
-status = gh.gh_lmp_open(ctx, ctypes.byref(lmp)) or gh.gh_lmp_command(ctx, lmp, b"pair_style nonsense")
-print(gh.gh_message(ctx).decode())
-sys.exit(0 if status else 1)
+assert gh.gh_lmp_open(ctx, ctypes.byref(lmp)) or gh.gh_lmp_command(ctx, lmp, b"pair_style nonsense")
+print(gh.gh_message(ctx).decode(), flush=True)
+if len(libraries) == 2: # an instance of the program's own ends it, as ever
+    lammps = libraries[1 - libraries.index(gh)]
+    lammps.lammps_open_no_mpi.restype = ctypes.c_void_p
+    words = (ctypes.c_char_p * 5)(b"own", b"-log", b"none", b"-screen", b"own.screen")
+    own = ctypes.c_void_p(lammps.lammps_open_no_mpi(5, words, None))
+    lammps.lammps_command(own, b"pair_style mine")
+    print("still there" if not lammps.lammps_config_has_exceptions() else "by its own exception")
+    sys.exit(1 if not lammps.lammps_config_has_exceptions() else 7)
 END
-for name in granhom granhom-rve; do
-  /usr/bin/python3 load.py "$lib/lib$name.so" >said 2>err
+# loads_in_order NAME STATUS LIBRARIES...
+loads_in_order() {
+  local name=$1 status=$2 code
+  shift 2
+  /usr/bin/python3 load.py "$@" >said 2>err
   code=$?
-  [ $code = 0 ] && grep -q "Unrecognized pair style 'nonsense'" said
-  say $? "LAMMPS's error in Python, which loads lib$name itself"
-done
+  grep -q "Unrecognized pair style 'nonsense'" said
+  say $? "LAMMPS's error is a message in Python, which loads $name"
+  [ "$status" = 0 ] && [ $code != 0 ] && not_ok "and ends well" "exit $code"
+  if [ "$status" != 0 ] && { [ $code = 0 ] || grep -q 'still there' said; }; then not_ok "that of its own instance is LAMMPS's" "exit $code"; fi
+}
+loads_in_order "libgranhom" 0 "$lib/libgranhom.so"
+loads_in_order "libgranhom-rve" 0 "$lib/libgranhom-rve.so"
+loads_in_order "LAMMPS before" 1 liblammps.so.0 "$lib/libgranhom.so"
+loads_in_order "LAMMPS after" 1 "$lib/libgranhom.so" liblammps.so.0
+grep -q "Unrecognized pair style 'mine'" own.screen
+say $? "errors of the program's own instances stay LAMMPS's"
 
 # --- the engine is loaded when it is asked for, and found from where granhom lies ---
 loads() { LD_DEBUG=files "$@" 2>&1 >/dev/null | grep -cE 'calling init.*(liblammps|libpython)'; }
@@ -125,5 +143,25 @@ rm elsewhere/granhom-lammps.so && mkdir elsewhere/bin && mv elsewhere/granhom el
 ln -s elsewhere/bin/granhom by_link
 check "from bin/ to lib/granhom, through a link" ./by_link rve "$sand" --normal-stiffness 50 --path path.csv -o out.csv
 check "by PATH" env PATH="$work/elsewhere/bin:$PATH" granhom rve "$sand" --normal-stiffness 50 --path path.csv -o out.csv
+
+# --- debug builds: messages say where they come from ---
+cat >debug.c <<'END'
+#include "granhom/base.h"
+int main(void) {
+  gh_context *ctx;
+  if (gh_context_create(&ctx) != GH_OK) return 1;
+  gh_status status = gh_fail(ctx, GH_INPUT, "row %d is bad", 7);
+  puts(gh_message(ctx));
+  gh_context_destroy(&ctx);
+  return gh_exit_status(status);
+}
+END
+for flag in -DGH_DEBUG -DGH_NONE; do
+  gcc -std=c17 -D_XOPEN_SOURCE=700 $flag -Wall -Wextra -Wpedantic -Werror -I"$root/include" debug.c "$root/src/base/context.c" -o debug && ./debug >>places
+done
+check "a debug build names file, line and function; others do not" diff <(printf 'row 7 is bad [debug.c:5 main]\nrow 7 is bad\n') places
+for words in DEBUG=1 OPT=-O0; do
+  check "make $words is a debug build" grep -q -- '-O0 .*-DGH_DEBUG' <(make -s -n -C "$root" BUILD="$work/none" $words 2>/dev/null)
+done
 
 exit $bad

@@ -155,9 +155,17 @@ static void tensors_of_the_plane(void **state) {
               !gh_finite((double[2]){INFINITY, 1}, 2));
 }
 
+/* In a debug build a message ends with the place where it was made. */
+static void messages_name_their_place(void **state) {
+  gh_context *ctx = *state;
+  assert_int_equal(gh_fail_at("a.c", 3, "row_read", ctx, GH_INPUT, "row %d: %s", 7, "bad\n"), GH_INPUT);
+  assert_string_equal(gh_message(ctx), "row 7: bad  [a.c:3 row_read]");
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {TEST(each_status_has_exit_code_and_words),
                                      TEST(messages_are_kept_and_prefixed),
+                                     TEST(messages_name_their_place),
                                      TEST(long_messages_are_cut),
                                      TEST(memory_is_zeroed_or_refused),
                                      TEST(growing_keeps_content),

@@ -9,6 +9,7 @@
 #include "engine/lammps/fix_relax.h"
 #include "engine/lammps/interpose.h"
 #include "engine/lammps/interpose_programs.h"
+#include "engine/lammps/rebind.h"
 #include "engine/lammps/versions.h"
 
 #include "input.h"
@@ -85,7 +86,17 @@ bool tells_of_memory(const std::string &message) {
          message.find("Failed to reallocate") != std::string::npos;
 }
 
+/* How many guarded calls this thread is in. */
+thread_local int guarded_calls = 0;
+struct guarded_call {
+  guarded_call() { guarded_calls++; }
+  ~guarded_call() { guarded_calls--; }
+  guarded_call(const guarded_call &) = delete;
+  guarded_call &operator=(const guarded_call &) = delete;
+};
+
 template <typename Call> gh_status guarded(gh_context *ctx, void *lmp, const char *what, Call call) {
+  const guarded_call here;
   try {
     gh_status status = call();
     std::string error = kept_error(lmp);
@@ -102,6 +113,10 @@ template <typename Call> gh_status guarded(gh_context *ctx, void *lmp, const cha
 }
 
 } // namespace
+
+bool granhom::in_guarded_call() {
+  return guarded_calls > 0;
+}
 
 /* ---- guarded library calls ---- */
 
@@ -135,6 +150,7 @@ static gh_status check_instance(gh_context *ctx, void *lmp) {
 gh_status guard_open(gh_context *ctx, void **lmp) {
   *lmp = nullptr;
   GH_TRY(start_mpi(ctx));
+  granhom::rebind();
   return guarded(ctx, nullptr, "open", [&] {
     char name[] = "granhom", screen[] = "-screen", log[] = "-log", none[] = "none", nocite[] = "-nocite";
     char *argv[] = {name, screen, none, log, none, nocite, nullptr};
@@ -332,6 +348,7 @@ gh_status guard_program(gh_context *ctx, int argc, char **argv, bool programs, i
   *exit_status = 0;
   *alone = false;
   GH_TRY(start_mpi(ctx));
+  granhom::rebind();
   gh_status status = guarded(ctx, nullptr, "script", [&] {
     try {
       lmp = lammps_open(argc, argv, MPI_COMM_WORLD, nullptr);

@@ -1,8 +1,8 @@
 /* Functions of liblammps.so that are replaced. SPDX-License-Identifier: GPL-2.0-or-later
  *
- * Calls inside a shared library go through its symbol table, where definitions that come first in the search
- * order count; so the ones here take the place of LAMMPS's. A library without exceptions (Debian 12) ends the
- * process on an error: its Error class is replaced by one that throws. */
+ * Calls inside a shared library go through a table of addresses, in which the ones here take the place of
+ * LAMMPS's: because they come first in the search order, or by rebind.cpp. A library without exceptions
+ * (Debian 12) ends the process on an error: its Error class is replaced by one that throws. */
 #include "engine/lammps/c_mpi.h"
 #include "engine/lammps/interpose.h"
 
@@ -14,6 +14,9 @@
 #include "universe.h"
 #include "update.h"
 
+#include <cstdlib>
+#include <cstring>
+#include <dlfcn.h>
 #include <exception>
 
 #if !GH_LAMMPS_THROWS
@@ -35,9 +38,25 @@ static std::string formatted(fmt::string_view format, fmt::format_args args) {
   }
 }
 
+/* LAMMPS's own function, for instances of the program's own: they are none of our business, and nobody would
+ * catch what is thrown. */
+template <typename... Args, typename... Given>
+[[noreturn]] static void lammps_own(LAMMPS_NS::Error *error, void (LAMMPS_NS::Error::*replaced)(Args...),
+                                    Given &&...given) {
+  void *address;
+  std::memcpy(&address, &replaced, sizeof address);
+  Dl_info info;
+  void *found = dladdr(address, &info) && info.dli_sname ? dlsym(RTLD_NEXT, info.dli_sname) : nullptr;
+  if (found) reinterpret_cast<void (*)(LAMMPS_NS::Error *, Args...)>(found)(error, given...);
+  std::abort();
+}
+
+using plain = void (LAMMPS_NS::Error::*)(const std::string &, int, const std::string &);
+
 namespace LAMMPS_NS {
 
 void Error::all(const std::string &file, int line, const std::string &text) {
+  if (!granhom::in_guarded_call()) lammps_own(this, static_cast<plain>(&Error::all), file, line, text);
   MPI_Barrier(world);
   std::string message = located(file, line, text);
   int me;
@@ -50,6 +69,7 @@ void Error::all(const std::string &file, int line, const std::string &text) {
 }
 
 void Error::one(const std::string &file, int line, const std::string &text) {
+  if (!granhom::in_guarded_call()) lammps_own(this, static_cast<plain>(&Error::one), file, line, text);
   std::string message = located(file, line, text);
   int me;
   MPI_Comm_rank(world, &me);
@@ -69,15 +89,18 @@ void Error::_one(const std::string &file, int line, fmt::string_view format, fmt
 }
 
 void Error::universe_all(const std::string &file, int line, const std::string &text) {
+  if (!granhom::in_guarded_call()) lammps_own(this, &Error::universe_all, file, line, text);
   MPI_Barrier(universe->uworld);
   throw lammps_error(located(file, line, text), false);
 }
 
 void Error::universe_one(const std::string &file, int line, const std::string &text) {
+  if (!granhom::in_guarded_call()) lammps_own(this, &Error::universe_one, file, line, text);
   throw lammps_error(located(file, line, text), true);
 }
 
 void Error::done(int status) {
+  if (!granhom::in_guarded_call()) lammps_own(this, &Error::done, status);
   MPI_Barrier(world);
   throw lammps_quit{status};
 }

@@ -21,6 +21,9 @@ struct lammps_quit {
   int status;
 };
 
+/* Whether this thread is in a call of guard.cpp, which catches what is thrown. */
+bool in_guarded_call();
+
 /* Why the replaced functions may not be found, and what helps. Whoever calls it links them in. */
 const char *advice_on_linking();
 

@@ -23,6 +23,5 @@ __attribute__((visibility("default"))) void LAMMPS::post_create() {
 }
 
 const char *granhom::advice_on_linking() {
-  return "liblammps.so came before granhom-lammps.so in the search order of symbols, because the program has "
-         "loaded it itself. Link granhom-lammps.so before -llammps, or have LD_PRELOAD name it";
+  return "the calls within liblammps.so cannot be replaced (is it linked with -Bsymbolic?)";
 }
