@@ -18,6 +18,9 @@
 #include <stddef.h>
 #include <stdio.h>
 
+/* What the shared libraries export; all else is hidden in them. */
+#define GH_API __attribute__((visibility("default")))
+
 #ifdef __cplusplus
 extern "C" {
 #endif
@@ -41,9 +44,9 @@ typedef enum gh_status {
 } gh_status;
 
 /* Exit status of a program that ends with s: 0, 1 (computation) or 2 (input). */
-int gh_exit_status(gh_status s);
+GH_API int gh_exit_status(gh_status s);
 /* Meaning of s in a few words; never NULL. */
-const char *gh_status_text(gh_status s);
+GH_API const char *gh_status_text(gh_status s);
 
 /* ---- context: the last message, the log and the progress sink; one per thread of control ---- */
 
@@ -66,12 +69,12 @@ typedef struct gh_progress {
 } gh_progress;
 typedef void gh_progress_sink(void *data, const gh_progress *report);
 
-gh_status gh_context_create(gh_context **ctx);
-void gh_context_destroy(gh_context **ctx);
+GH_API gh_status gh_context_create(gh_context **ctx);
+GH_API void gh_context_destroy(gh_context **ctx);
 /* Text of the last failure; "" when there was none. Valid until the next failure. */
-const char *gh_message(const gh_context *ctx);
-void gh_set_log(gh_context *ctx, gh_log_sink *sink, void *data);
-void gh_set_progress(gh_context *ctx, gh_progress_sink *sink, void *data);
+GH_API const char *gh_message(const gh_context *ctx);
+GH_API void gh_set_log(gh_context *ctx, gh_log_sink *sink, void *data);
+GH_API void gh_set_progress(gh_context *ctx, gh_progress_sink *sink, void *data);
 
 /* The end of a plural: printf("%d step%s", n, GH_S(n)). */
 #define GH_S(n) ((n) == 1 ? "" : "s")
@@ -79,20 +82,20 @@ void gh_set_progress(gh_context *ctx, gh_progress_sink *sink, void *data);
 
 /* Stores the message (what, where, which value, which limit) and returns s, so that callers write
  * `return gh_fail(ctx, GH_INPUT, "%s:%d: ...", file, line);` */
-gh_status gh_fail(gh_context *ctx, gh_status s, const char *format, ...) GH_PRINTF(3, 4);
+GH_API gh_status gh_fail(gh_context *ctx, gh_status s, const char *format, ...) GH_PRINTF(3, 4);
 /* The same with its place: "... [src/io/csv.c:12 row_read]". Debug builds (make DEBUG=1) add it. */
-gh_status gh_fail_at(const char *file, int line, const char *function, gh_context *ctx, gh_status s,
-                     const char *format, ...) GH_PRINTF(6, 7);
-#ifdef GH_DEBUG
+GH_API gh_status gh_fail_at(const char *file, int line, const char *function, gh_context *ctx, gh_status s,
+                            const char *format, ...) GH_PRINTF(6, 7);
+#if defined GH_DEBUG && !defined __clang_analyzer__
 #define gh_fail(ctx, ...) gh_fail_at(__FILE__, __LINE__, __func__, ctx, __VA_ARGS__)
 #endif
 /* Puts text before the stored message: "integration point 17: " + message. Returns s. */
-gh_status gh_prefix(gh_context *ctx, gh_status s, const char *format, ...) GH_PRINTF(3, 4);
+GH_API gh_status gh_prefix(gh_context *ctx, gh_status s, const char *format, ...) GH_PRINTF(3, 4);
 #ifdef __clang_analyzer__ /* which reads one file at a time and has to be told what they return */
 #define gh_fail(ctx, s, ...) (gh_fail(ctx, s, __VA_ARGS__), (s))
 #define gh_prefix(ctx, s, ...) (gh_prefix(ctx, s, __VA_ARGS__), (s))
 #endif
-void gh_log(gh_context *ctx, gh_level level, const char *format, ...) GH_PRINTF(3, 4);
+GH_API void gh_log(gh_context *ctx, gh_level level, const char *format, ...) GH_PRINTF(3, 4);
 
 /* Returns from the calling function when call fails. */
 #define GH_TRY(call)                                                                                         \
@@ -108,9 +111,9 @@ void gh_log(gh_context *ctx, gh_level level, const char *format, ...) GH_PRINTF(
   } while (0)
 
 /* Zeroed memory for count objects of size bytes; *p is NULL after a failure. GH_MEMORY names the size. */
-gh_status gh_alloc(gh_context *ctx, size_t count, size_t size, void *p);
+GH_API gh_status gh_alloc(gh_context *ctx, size_t count, size_t size, void *p);
 /* Grows *p (an array of *capacity objects of size bytes) so that it holds at least need objects. */
-gh_status gh_grow(gh_context *ctx, size_t need, size_t size, size_t *capacity, void *p);
+GH_API gh_status gh_grow(gh_context *ctx, size_t need, size_t size, size_t *capacity, void *p);
 
 /* ---- progress ---- */
 
@@ -118,21 +121,21 @@ typedef struct gh_work {
   const char *label, *unit;
   double total, start, last;
 } gh_work;
-void gh_work_begin(gh_context *ctx, gh_work *w, const char *label, const char *unit, double total);
-void gh_work_advance(gh_context *ctx, gh_work *w, double done); /* at most ten reports a second */
-void gh_work_end(gh_context *ctx, gh_work *w, double done);
+GH_API void gh_work_begin(gh_context *ctx, gh_work *w, const char *label, const char *unit, double total);
+GH_API void gh_work_advance(gh_context *ctx, gh_work *w, double done); /* at most ten reports a second */
+GH_API void gh_work_end(gh_context *ctx, gh_work *w, double done);
 
 /* Which build of granhom this is: a sum over the sources that answers depend on, and the compiler's options.
  */
-const char *gh_build(void);
+GH_API const char *gh_build(void);
 
 /* Which BLAS is loaded, as text: folder and file of the library with its version, and what it says of itself.
  * Bits of results depend on it. "unknown": there is none. GH_SYSTEM: its path cannot be resolved. */
 enum { GH_BLAS_SIZE = 256 };
-gh_status gh_blas(gh_context *ctx, char *text, size_t size);
+GH_API gh_status gh_blas(gh_context *ctx, char *text, size_t size);
 
 /* Seconds of a monotonic clock. */
-double gh_seconds(void);
+GH_API double gh_seconds(void);
 
 /* ---- tensors of the plane ---- */
 

@@ -48,16 +48,16 @@ typedef struct gh_condition {
 
 /* From words: "s11", "volume", "s22 - 0.5 s11", "F12 - F21". GH_INPUT: unknown names (the message lists the
  * known ones), stresses and deformation in one condition, no quantity left. */
-gh_status gh_condition_parse(gh_context *ctx, const char *text, gh_condition *c);
+GH_API gh_status gh_condition_parse(gh_context *ctx, const char *text, gh_condition *c);
 /* Its value at F and P. */
-double gh_condition_value(const gh_condition *c, const double F[4], const double P[4]);
+GH_API double gh_condition_value(const gh_condition *c, const double F[4], const double P[4]);
 /* Its derivative with respect to F (row-major), where A is dP/dF. */
-void gh_condition_slope(const gh_condition *c, const double F[4], const double P[4], const double A[16],
-                        double slope[4]);
+GH_API void gh_condition_slope(const gh_condition *c, const double F[4], const double P[4],
+                               const double A[16], double slope[4]);
 
 /* Whether four conditions determine F near this F, in an elastic solid without stress. GH_INPUT: one follows
  * from the others, or none takes out the rotation. */
-gh_status gh_conditions_check(gh_context *ctx, const gh_condition condition[4], const double F[4]);
+GH_API gh_status gh_conditions_check(gh_context *ctx, const gh_condition condition[4], const double F[4]);
 
 /* ---- a point under control ---- */
 
@@ -74,7 +74,7 @@ typedef struct gh_control_options {
                       by servo control: see gh_control_solve */
 } gh_control_options;
 /* The stiffness is 0, to be set. */
-gh_control_options gh_control_defaults(void);
+GH_API gh_control_options gh_control_defaults(void);
 
 typedef struct gh_control_report {
   int iterations;  /* evaluations of the point */
@@ -84,22 +84,22 @@ typedef struct gh_control_report {
 } gh_control_report;
 
 /* The point stays the caller's and must outlive the control. GH_INPUT: options out of range. */
-gh_status gh_control_create(gh_context *ctx, const gh_point_ops *ops, void *point,
-                            const gh_control_options *options, gh_control **control);
+GH_API gh_status gh_control_create(gh_context *ctx, const gh_point_ops *ops, void *point,
+                                   const gh_control_options *options, gh_control **control);
 /* For an RVE. */
-gh_status gh_control_create_rve(gh_context *ctx, gh_rve *rve, const gh_control_options *options,
-                                gh_control **control);
-void gh_control_destroy(gh_control **control);
+GH_API gh_status gh_control_create_rve(gh_context *ctx, gh_rve *rve, const gh_control_options *options,
+                                       gh_control **control);
+GH_API void gh_control_destroy(gh_control **control);
 /* stop(data) is asked before each evaluation; once it says true, what runs ends with GH_STOPPED. NULL: never.
  */
-void gh_control_set_stop(gh_control *control, bool (*stop)(void *data), void *data);
+GH_API void gh_control_set_stop(gh_control *control, bool (*stop)(void *data), void *data);
 /* count(data) is told of each equilibrium before it is committed, while the point's measures are those of it.
  * NULL: nobody. */
-void gh_control_set_count(gh_control *control, void (*count)(void *data), void *data);
+GH_API void gh_control_set_count(gh_control *control, void (*count)(void *data), void *data);
 
 /* Brings the point to F and commits: the state that control begins with. Before the first gh_control_solve.
  */
-gh_status gh_control_start(gh_control *control, const double F[4]);
+GH_API gh_status gh_control_start(gh_control *control, const double F[4]);
 /* Finds F such that the four conditions have their targets, and commits. On the way they go linearly from
  * their present values. Newton's method on the mixed conditions, every evaluation from the committed state;
  * an increment that fails is halved. Where halving does not help, because the packing jumps and the wanted
@@ -107,13 +107,13 @@ gh_status gh_control_start(gh_control *control, const double F[4]);
  * that reduce what is lacking, each of them committed, so that the packing goes through what rearranges; that
  * is counted. GH_INPUT: the conditions do not determine F, a target is not finite. GH_DIVERGED: they cannot
  * be met; the state is then the last committed one, and the message says what is lacking. */
-gh_status gh_control_solve(gh_control *control, const gh_condition condition[4], const double target[4],
-                           gh_control_report *report);
+GH_API gh_status gh_control_solve(gh_control *control, const gh_condition condition[4],
+                                  const double target[4], gh_control_report *report);
 
 /* Of the committed state. Arrays belong to the control. */
-const double *gh_control_F(const gh_control *control);
-const double *gh_control_P(const gh_control *control);
-const double *gh_control_A(const gh_control *control);
+GH_API const double *gh_control_F(const gh_control *control);
+GH_API const double *gh_control_P(const gh_control *control);
+GH_API const double *gh_control_A(const gh_control *control);
 
 #ifdef __cplusplus
 }

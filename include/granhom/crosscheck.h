@@ -52,7 +52,7 @@ typedef enum gh_peer_end {
   GH_PEER_FAILED,  /* its own error, or no equilibrium */
   GH_PEER_STOPPED  /* by the time limit */
 } gh_peer_end;
-const char *gh_peer_end_text(gh_peer_end end); /* "done", "missing", ... */
+GH_API const char *gh_peer_end_text(gh_peer_end end); /* "done", "missing", ... */
 
 typedef struct gh_peer_result {
   gh_peer_end end;
@@ -64,19 +64,19 @@ typedef struct gh_peer_result {
 /* GH_INPUT when a peer cannot take the problem: values out of range, hardening, which the peers' laws do not
  * have, det F <= 0, a cell that is sheared by more than half its width or narrower than four of the largest
  * radii. */
-gh_status gh_peer_check(gh_context *ctx, const gh_peer_problem *problem);
+GH_API gh_status gh_peer_check(gh_context *ctx, const gh_peer_problem *problem);
 /* Runs the path. What becomes of the peer is stated in the result; an error is returned only for what
  * gh_peer_check refuses, and GH_SYSTEM, GH_MEMORY: no folder for temporary files, no memory. row:
  * problem->rows of them; those past result->rows are not set. */
-gh_status gh_peer_run(gh_context *ctx, gh_peer_kind kind, const gh_peer_problem *problem, gh_peer_row *row,
-                      gh_peer_result *result);
+GH_API gh_status gh_peer_run(gh_context *ctx, gh_peer_kind kind, const gh_peer_problem *problem,
+                             gh_peer_row *row, gh_peer_result *result);
 
 /* ---- a path through granhom and its peers, compared ---- */
 
 enum { GH_CROSS_ENGINES = 4, GH_CROSS_LEVELS = 8 };
 /* Word of a program in files and on the command line ("lammps", "native", "gran", "liggghts"), in this
  * order: number 0 to GH_CROSS_ENGINES - 1. */
-const char *gh_cross_word(int engine);
+GH_API const char *gh_cross_word(int engine);
 
 /* Pointers are kept: what they point to must outlive the gh_crosscheck. */
 typedef struct gh_crosscheck_options {
@@ -95,18 +95,19 @@ typedef struct gh_crosscheck_options {
 typedef struct gh_crosscheck gh_crosscheck;
 
 /* GH_INPUT: a peer cannot take packing, path or law (gh_peer_check). */
-gh_status gh_crosscheck_create(gh_context *ctx, const gh_crosscheck_options *options, gh_crosscheck **c);
-void gh_crosscheck_destroy(gh_crosscheck **c);
+GH_API gh_status gh_crosscheck_create(gh_context *ctx, const gh_crosscheck_options *options,
+                                      gh_crosscheck **c);
+GH_API void gh_crosscheck_destroy(gh_crosscheck **c);
 /* Runs each program along each path and writes crosscheck.csv and, with more than one level, refine.csv into
  * the folder, after each run. A program that fails, is missing or is stopped is stated in the tables.
  * GH_INPUT, GH_MEMORY, GH_SYSTEM: wrong input, or the system refuses. */
-gh_status gh_crosscheck_run(gh_crosscheck *c, const char *folder);
+GH_API gh_status gh_crosscheck_run(gh_crosscheck *c, const char *folder);
 /* The tables for a reader, after gh_crosscheck_run. */
-void gh_crosscheck_print(const gh_crosscheck *c, gh_text *out);
+GH_API void gh_crosscheck_print(const gh_crosscheck *c, gh_text *out);
 /* crosscheck.png in the folder, unless there is nothing to compare. Needs gnuplot. */
-gh_status gh_crosscheck_draw(const gh_crosscheck *c, const char *folder);
+GH_API gh_status gh_crosscheck_draw(const gh_crosscheck *c, const char *folder);
 /* GH_DIVERGED: a program failed or was stopped; names the first. */
-gh_status gh_crosscheck_verdict(const gh_crosscheck *c);
+GH_API gh_status gh_crosscheck_verdict(const gh_crosscheck *c);
 
 #ifdef __cplusplus
 }

@@ -59,8 +59,8 @@ typedef enum gh_relaxation {
   GH_RELAX_FIRE      /* FIRE alone */
 } gh_relaxation;
 /* "polished", "damped", "fire"; false when the word is none of them. */
-bool gh_relaxation_from_name(const char *name, gh_relaxation *relaxation);
-const char *gh_relaxation_name(gh_relaxation relaxation);
+GH_API bool gh_relaxation_from_name(const char *name, gh_relaxation *relaxation);
+GH_API const char *gh_relaxation_name(gh_relaxation relaxation);
 
 /* Dynamic relaxation (4.39)-(4.47), or FIRE. The residual is the largest force on a free grain, and the
  * largest moment over the radius, over the mean normal contact force (method 3). */
@@ -95,39 +95,39 @@ typedef struct gh_engine_cost {
 } gh_engine_cost;
 
 /* GH_INPUT when a parameter is out of its range (granhom/contact.h), or E_n outside 1e-100 to 1e100. */
-gh_status gh_contact_law_check(gh_context *ctx, const gh_contact_law *law);
+GH_API gh_status gh_contact_law_check(gh_context *ctx, const gh_contact_law *law);
 /* Makes an engine; the setup's arrays are copied. Errors: GH_INPUT (setup out of range), GH_ENGINE (LAMMPS's
  * own message). */
-gh_status gh_engine_create(gh_context *ctx, gh_engine_kind kind, const gh_engine_setup *setup,
-                           gh_engine **engine);
-void gh_engine_destroy(gh_engine **engine);
-const char *gh_engine_name(const gh_engine *engine);
+GH_API gh_status gh_engine_create(gh_context *ctx, gh_engine_kind kind, const gh_engine_setup *setup,
+                                  gh_engine **engine);
+GH_API void gh_engine_destroy(gh_engine **engine);
+GH_API const char *gh_engine_name(const gh_engine *engine);
 /* Version of the LAMMPS library that this program runs with, as a date: 20210929. Opens a silent instance to
  * ask it (milliseconds; MPI is initialised if nobody did). 0: LAMMPS cannot be used; engines then say why. */
-int gh_engine_lammps_version(void);
+GH_API int gh_engine_lammps_version(void);
 /* Version of LAMMPS that granhom-lammps.so was built with, as a date, without loading it. 0: the file is not
  * there. */
-int gh_engine_lammps_built(void);
+GH_API int gh_engine_lammps_built(void);
 
 /* With friction, before the first gh_engine_set of an increment: the converged state that the increment
  * starts from. Copied. Positions and history of it stay until the next gh_engine_begin. Without friction it
  * is not needed, and does nothing. GH_INPUT: a value that is not finite, slips out of order or of grains that
  * do not exist. */
-gh_status gh_engine_begin(gh_engine *engine, const gh_converged *state);
+GH_API gh_status gh_engine_begin(gh_engine *engine, const gh_converged *state);
 /* Sets cell (columns are the lattice vectors, det > 0; ignored by a cluster, may be NULL there), positions
  * (n x 2) and rotations (n). Forgets everything but the state of gh_engine_begin. GH_INPUT: a value that is
  * not finite, det(cell) <= 0, or a cell that is compressed, thinned or sheared beyond what a packing can be.
  */
-gh_status gh_engine_set(gh_engine *engine, const double cell[4], const double *x, const double *theta);
+GH_API gh_status gh_engine_set(gh_engine *engine, const double cell[4], const double *x, const double *theta);
 /* Changes the positions and rotations only, by little: cheaper than gh_engine_set. Same cell. */
-gh_status gh_engine_move(gh_engine *engine, const double *x, const double *theta);
+GH_API gh_status gh_engine_move(gh_engine *engine, const double *x, const double *theta);
 /* Moves the free grains, and turns all grains that may turn, towards equilibrium. Not converging within
  * max_steps is no error: look at the result. */
-gh_status gh_engine_relax(gh_engine *engine, const gh_relax_options *options, gh_relax_result *result);
-gh_status gh_engine_contacts(gh_engine *engine, gh_contact_list *list);
+GH_API gh_status gh_engine_relax(gh_engine *engine, const gh_relax_options *options, gh_relax_result *result);
+GH_API gh_status gh_engine_contacts(gh_engine *engine, gh_contact_list *list);
 /* Present positions, n x 2, and rotations, n. */
-gh_status gh_engine_get(gh_engine *engine, double *x, double *theta);
-void gh_engine_costs(const gh_engine *engine, gh_engine_cost *cost);
+GH_API gh_status gh_engine_get(gh_engine *engine, double *x, double *theta);
+GH_API void gh_engine_costs(const gh_engine *engine, gh_engine_cost *cost);
 
 #ifdef __cplusplus
 }

@@ -41,13 +41,13 @@ typedef struct gh_finish_options {
 } gh_finish_options;
 /* Overlap 0.01, cell as it fits, native engine, E_n = 1, residual 1e-10, 0.5 % of the target, anisotropy as
  * it comes (else within 0.004). */
-gh_finish_options gh_finish_defaults(void);
+GH_API gh_finish_options gh_finish_defaults(void);
 /* "overlap=X" or "pressure=P" into goal and target. GH_INPUT: other words, X or P not positive, X >= 1. */
-gh_status gh_finish_parse(gh_context *ctx, const char *text, gh_finish_options *options);
+GH_API gh_status gh_finish_parse(gh_context *ctx, const char *text, gh_finish_options *options);
 /* Whether all values lie in their ranges; gh_finish asks it too. GH_INPUT with the value and its limits. */
-gh_status gh_finish_check(gh_context *ctx, const gh_finish_options *options);
+GH_API gh_status gh_finish_check(gh_context *ctx, const gh_finish_options *options);
 /* "auto", "scaled" or "relaxed"; false when the word is none of them. */
-bool gh_finish_cell_from_name(const char *name, gh_finish_cell *cell);
+GH_API bool gh_finish_cell_from_name(const char *name, gh_finish_cell *cell);
 
 /* A packing as it is, seen with soft grains in periodic equilibrium. Contacts are those that carry force:
  * neither grain is a rattler. */
@@ -73,19 +73,19 @@ typedef struct gh_finish_report {
  * grains in equilibrium: the periodic cell is scaled and the grains relax until the goal is met; then, where
  * asked, the cell relaxes or is pre-strained. The radii stay. `soft` is new, its positions lie in its cell.
  * GH_INPUT: options out of range; GH_DIVERGED: the goal cannot be met (says how near it came). */
-gh_status gh_finish(gh_context *ctx, const gh_packing *hard, const gh_finish_options *options,
-                    gh_packing **soft, gh_finish_report *report);
+GH_API gh_status gh_finish(gh_context *ctx, const gh_packing *hard, const gh_finish_options *options,
+                           gh_packing **soft, gh_finish_report *report);
 /* The report of a packing in equilibrium with soft grains, in the cell as it is. Grains that are not at rest
  * relax first; their new positions are dropped. Uses engine, normal_stiffness and tolerance of the options.
  */
-gh_status gh_finish_measure(gh_context *ctx, const gh_packing *packing, const gh_finish_options *options,
-                            gh_finish_report *report);
+GH_API gh_status gh_finish_measure(gh_context *ctx, const gh_packing *packing,
+                                   const gh_finish_options *options, gh_finish_report *report);
 /* The report in words, a few lines. */
-void gh_finish_print(const gh_finish_report *report, gh_text *out);
+GH_API void gh_finish_print(const gh_finish_report *report, gh_text *out);
 
 /* NAME.data, 7 -> NAME-007.data: the file of member k of an ensemble. Caller frees; NULL when out of memory.
  */
-char *gh_ensemble_path(const char *path, int k);
+GH_API char *gh_ensemble_path(const char *path, int k);
 
 #ifdef __cplusplus
 }

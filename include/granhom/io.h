@@ -13,12 +13,12 @@ extern "C" {
 /* ---- numbers in text ---- */
 
 /* The whole of text as a finite number / an integer in [low, high]; false otherwise. */
-bool gh_parse_number(const char *text, double *value);
-bool gh_parse_integer(const char *text, long low, long high, long *value);
+GH_API bool gh_parse_number(const char *text, double *value);
+GH_API bool gh_parse_integer(const char *text, long low, long high, long *value);
 
-/* The word of a NULL-terminated list that a mistyped one is nearest to, by letters to insert, drop or replace;
- * NULL when none is near (more than 1 + a third of its letters apart). */
-const char *gh_nearest(const char *word, const char *const *known);
+/* The word of a NULL-terminated list that a mistyped one is nearest to, by letters to insert, drop or
+ * replace; NULL when none is near (more than 1 + a third of its letters apart). */
+GH_API const char *gh_nearest(const char *word, const char *const *known);
 
 /* ---- CSV: a header line and rows of numbers ---- */
 
@@ -35,17 +35,17 @@ typedef struct gh_csv {
  * decimal point in any, and between digits in threes it must not be one of thousands. A last comment before
  * rows without a header is the header. The row behind the header may have units. Trailing separators are
  * dropped. An empty field is an error, as are percent signs and units of percent. */
-gh_status gh_csv_read(gh_context *ctx, const char *path, gh_csv **csv);
+GH_API gh_status gh_csv_read(gh_context *ctx, const char *path, gh_csv **csv);
 enum { GH_CSV_PERCENT = 1 /* percent is allowed */, GH_CSV_PAN = 2 /* the word "pan" stands for 0 */ };
 /* The same with what `flags` allow. */
-gh_status gh_csv_read_with(gh_context *ctx, const char *path, int flags, gh_csv **csv);
-void gh_csv_destroy(gh_csv **csv);
+GH_API gh_status gh_csv_read_with(gh_context *ctx, const char *path, int flags, gh_csv **csv);
+GH_API void gh_csv_destroy(gh_csv **csv);
 /* Column of that name, else the one that has it before a unit in brackets ("d [mm]"), unless that is percent;
  * -1 when there is none. */
-int gh_csv_find(const gh_csv *csv, const char *name);
+GH_API int gh_csv_find(const gh_csv *csv, const char *name);
 /* Length of a column's name without a unit in [] or () at its end; *unit: where that begins, NULL for none.
  */
-size_t gh_csv_bare(const char *name, const char **unit);
+GH_API size_t gh_csv_bare(const char *name, const char **unit);
 
 /* ---- LAMMPS data files, atom_style sphere ---- */
 
@@ -63,10 +63,10 @@ typedef struct gh_lammps_data {
  * Velocities and coefficients are passed over. Errors: missing file, truncated (fewer atoms than the header
  * says), empty, a number that is none or not finite, another atom style in "Atoms # style", bonds and shapes,
  * type out of range, low >= high. Meaning of the values (radius, ids, z) is checked by the packing. */
-gh_status gh_lammps_data_read(gh_context *ctx, const char *path, gh_lammps_data **data);
-gh_status gh_lammps_data_write(gh_context *ctx, const char *path, const char *title,
-                               const gh_lammps_data *data);
-void gh_lammps_data_destroy(gh_lammps_data **data);
+GH_API gh_status gh_lammps_data_read(gh_context *ctx, const char *path, gh_lammps_data **data);
+GH_API gh_status gh_lammps_data_write(gh_context *ctx, const char *path, const char *title,
+                                      const gh_lammps_data *data);
+GH_API void gh_lammps_data_destroy(gh_lammps_data **data);
 
 /* ---- text files that appear whole or not at all ---- */
 
@@ -75,49 +75,50 @@ void gh_lammps_data_destroy(gh_lammps_data **data);
  * renames: path holds all of it or what it held before, of the same permissions; a symbolic link keeps
  * pointing where it did. Printing never fails before commit. */
 typedef struct gh_text gh_text;
-gh_status gh_text_create(gh_context *ctx, gh_text **text);
-void gh_text_destroy(gh_text **text);
-void gh_text_print(gh_text *text, const char *format, ...) GH_PRINTF(2, 3);
+GH_API gh_status gh_text_create(gh_context *ctx, gh_text **text);
+GH_API void gh_text_destroy(gh_text **text);
+GH_API void gh_text_print(gh_text *text, const char *format, ...) GH_PRINTF(2, 3);
 /* Appends bytes of any kind. */
-gh_status gh_text_add(gh_text *text, const void *bytes, size_t length);
+GH_API gh_status gh_text_add(gh_text *text, const void *bytes, size_t length);
 /* GH_MEMORY when a print found no memory. */
-gh_status gh_text_check(const gh_text *text);
+GH_API gh_status gh_text_check(const gh_text *text);
 /* What was collected, with a final 0; NULL when gh_text_check fails. length may be NULL. */
-const char *gh_text_get(const gh_text *text, size_t *length);
+GH_API const char *gh_text_get(const gh_text *text, size_t *length);
 /* Adds what another text holds; where that has failed, so has this one. */
-void gh_text_join(gh_text *text, const gh_text *other);
+GH_API void gh_text_join(gh_text *text, const gh_text *other);
 /* Of a table whose header is the text's first line: the rows from the byte `from` on hold no number that is
  * nan or inf. GH_DIVERGED: one does; the message names table and column, and these rows are cut off again. */
-gh_status gh_text_check_row(gh_text *text, size_t from, const char *table);
+GH_API gh_status gh_text_check_row(gh_text *text, size_t from, const char *table);
 /* Drops what lies behind this length. */
-void gh_text_cut(gh_text *text, size_t length);
+GH_API void gh_text_cut(gh_text *text, size_t length);
 /* Replaces what was collected. */
-gh_status gh_text_set(gh_text *text, const char *bytes, size_t length);
-gh_status gh_text_commit(gh_text *text, const char *path); /* may be called again after more printing */
+GH_API gh_status gh_text_set(gh_text *text, const char *bytes, size_t length);
+GH_API gh_status gh_text_commit(gh_text *text,
+                                const char *path); /* may be called again after more printing */
 /* GH_SYSTEM when path could not be written, which is tried with a file beside it that is removed again: what
  * a long computation would find at its end. */
-gh_status gh_file_writable(gh_context *ctx, const char *path);
+GH_API gh_status gh_file_writable(gh_context *ctx, const char *path);
 /* Whether a file can be written: to be asked before what goes into it is computed. The file is not touched.
  * NULL and "-": nothing. GH_SYSTEM: a folder, no folder to be in, no permission, a full device. */
-gh_status gh_output_check(gh_context *ctx, const char *path);
+GH_API gh_status gh_output_check(gh_context *ctx, const char *path);
 /* The same for a folder that is there or will be made. */
-gh_status gh_output_folder_check(gh_context *ctx, const char *folder);
+GH_API gh_status gh_output_folder_check(gh_context *ctx, const char *folder);
 /* GH_INPUT where folder/name is there and is no file, or no folder. */
-gh_status gh_output_within(gh_context *ctx, const char *folder, const char *name, bool is_folder);
+GH_API gh_status gh_output_within(gh_context *ctx, const char *folder, const char *name, bool is_folder);
 /* Makes a folder (and its parents). GH_INPUT when path is a file, GH_SYSTEM otherwise. */
-gh_status gh_folder_make(gh_context *ctx, const char *path);
+GH_API gh_status gh_folder_make(gh_context *ctx, const char *path);
 /* Whether there is something of this name; a link that leads nowhere is nothing. GH_SYSTEM when the system
  * cannot find out. */
-gh_status gh_file_there(gh_context *ctx, const char *path, bool *there);
+GH_API gh_status gh_file_there(gh_context *ctx, const char *path, bool *there);
 /* Removes a file that may be missing. GH_SYSTEM: it is still there. */
-gh_status gh_file_remove(gh_context *ctx, const char *path);
+GH_API gh_status gh_file_remove(gh_context *ctx, const char *path);
 /* Makes a folder, as above, and becomes the only one who writes into it, until gh_lock_destroy or the end of
  * the process, whatever ends it. GH_SYSTEM: another process does already (its host and number are in the
  * message); nothing was changed then. A file .lock in the folder tells of it; folders that were made for the
  * lock and stay empty are removed with it. Who only reads needs no lock. */
 typedef struct gh_lock gh_lock;
-gh_status gh_lock_create(gh_context *ctx, const char *folder, gh_lock **lock);
-void gh_lock_destroy(gh_lock **lock);
+GH_API gh_status gh_lock_create(gh_context *ctx, const char *folder, gh_lock **lock);
+GH_API void gh_lock_destroy(gh_lock **lock);
 
 /* A folder of this process for temporary files, in $TMPDIR or /tmp. */
 typedef struct gh_temporary {
@@ -125,15 +126,15 @@ typedef struct gh_temporary {
   int lock;
 } gh_temporary;
 /* what: a word of small letters for its name. GH_SYSTEM: no folder can be made there. */
-gh_status gh_temporary_make(gh_context *ctx, const char *what, gh_temporary *t);
+GH_API gh_status gh_temporary_make(gh_context *ctx, const char *what, gh_temporary *t);
 /* With all that is in it. */
-void gh_temporary_remove(gh_temporary *t);
+GH_API void gh_temporary_remove(gh_temporary *t);
 /* Removes the folders that killed processes of this user have left. Links are not followed. */
-void gh_temporary_clean(void);
+GH_API void gh_temporary_clean(void);
 /* dir + "/" + name; name alone when it is absolute. Caller frees. NULL when out of memory. */
-char *gh_path_join(const char *dir, const char *name);
+GH_API char *gh_path_join(const char *dir, const char *name);
 /* Folder of a path ("." when it has none). Caller frees. */
-char *gh_path_folder(const char *path);
+GH_API char *gh_path_folder(const char *path);
 
 /* ---- terms: keys of the files that are read, columns of those that are written ---- */
 
@@ -149,9 +150,9 @@ typedef struct gh_term_list {
   const gh_term *terms;
 } gh_term_list;
 /* The names, with `separator` between them. */
-void gh_terms_header(gh_text *out, const gh_term *terms, const char *separator);
+GH_API void gh_terms_header(gh_text *out, const gh_term *terms, const char *separator);
 /* A table in Markdown, under the words `first` and "meaning". */
-void gh_terms_print(gh_text *out, const gh_term *terms, const char *first);
+GH_API void gh_terms_print(gh_text *out, const gh_term *terms, const char *first);
 
 /* ---- YAML (libyaml) ---- */
 
@@ -162,81 +163,82 @@ typedef struct gh_yaml_node {
   int node;
   int parent; /* of an absent value: the map or list that was asked, so that messages can name its line */
 } gh_yaml_node;
-gh_status gh_yaml_read(gh_context *ctx, const char *path, gh_yaml **doc);
+GH_API gh_status gh_yaml_read(gh_context *ctx, const char *path, gh_yaml **doc);
 /* The same from a text; `name` stands for the file in messages. */
-gh_status gh_yaml_parse(gh_context *ctx, const char *name, const char *text, gh_yaml **doc);
-void gh_yaml_destroy(gh_yaml **doc);
-gh_yaml_node gh_yaml_root(const gh_yaml *doc);
-int gh_yaml_line(gh_yaml_node node);
-const char *gh_yaml_path(gh_yaml_node node); /* the file's name */
-bool gh_yaml_is_map(gh_yaml_node node);
-bool gh_yaml_is_list(gh_yaml_node node);
-bool gh_yaml_is_scalar(gh_yaml_node node);
+GH_API gh_status gh_yaml_parse(gh_context *ctx, const char *name, const char *text, gh_yaml **doc);
+GH_API void gh_yaml_destroy(gh_yaml **doc);
+GH_API gh_yaml_node gh_yaml_root(const gh_yaml *doc);
+GH_API int gh_yaml_line(gh_yaml_node node);
+GH_API const char *gh_yaml_path(gh_yaml_node node); /* the file's name */
+GH_API bool gh_yaml_is_map(gh_yaml_node node);
+GH_API bool gh_yaml_is_list(gh_yaml_node node);
+GH_API bool gh_yaml_is_scalar(gh_yaml_node node);
 /* GH_INPUT with file:line: message. */
-gh_status gh_yaml_fail(gh_yaml_node node, const char *format, ...) GH_PRINTF(2, 3);
+GH_API gh_status gh_yaml_fail(gh_yaml_node node, const char *format, ...) GH_PRINTF(2, 3);
 /* The map's keys must be among `known` (ends with NULL) and occur once; the message names the nearest known
  * key. */
-gh_status gh_yaml_keys(gh_yaml_node map, const char *const *known);
+GH_API gh_status gh_yaml_keys(gh_yaml_node map, const char *const *known);
 /* The same with the names of terms, at most 31. */
-gh_status gh_yaml_terms(gh_yaml_node map, const gh_term *known);
+GH_API gh_status gh_yaml_terms(gh_yaml_node map, const gh_term *known);
 /* Value of a key; absent (node 0) when the map has no such key. */
-gh_yaml_node gh_yaml_get(gh_yaml_node map, const char *key);
-bool gh_yaml_has(gh_yaml_node node); /* present */
-int gh_yaml_length(gh_yaml_node list_or_map);
-gh_yaml_node gh_yaml_item(gh_yaml_node list, int k);
-const char *gh_yaml_key(gh_yaml_node map, int k, gh_yaml_node *value);
+GH_API gh_yaml_node gh_yaml_get(gh_yaml_node map, const char *key);
+GH_API bool gh_yaml_has(gh_yaml_node node); /* present */
+GH_API int gh_yaml_length(gh_yaml_node list_or_map);
+GH_API gh_yaml_node gh_yaml_item(gh_yaml_node list, int k);
+GH_API const char *gh_yaml_key(gh_yaml_node map, int k, gh_yaml_node *value);
 /* Typed values; `what` names the value in messages ("pressure"). Ranges are inclusive. */
-gh_status gh_yaml_number(gh_yaml_node node, const char *what, double low, double high, double *value);
-gh_status gh_yaml_integer(gh_yaml_node node, const char *what, long low, long high, long *value);
-gh_status gh_yaml_bool(gh_yaml_node node, const char *what, bool *value);
+GH_API gh_status gh_yaml_number(gh_yaml_node node, const char *what, double low, double high, double *value);
+GH_API gh_status gh_yaml_integer(gh_yaml_node node, const char *what, long low, long high, long *value);
+GH_API gh_status gh_yaml_bool(gh_yaml_node node, const char *what, bool *value);
 /* A text of one line: control characters are refused. */
-gh_status gh_yaml_text(gh_yaml_node node, const char *what, const char **value);
-gh_status gh_yaml_numbers(gh_yaml_node node, const char *what, int n, double *values);
+GH_API gh_status gh_yaml_text(gh_yaml_node node, const char *what, const char **value);
+GH_API gh_status gh_yaml_numbers(gh_yaml_node node, const char *what, int n, double *values);
 /* Puts a value in the place of another, in memory. key: the way there from the root, with dots, entries of
  * lists by their number from 0: "steps.1.increments". value: YAML in flow style: "1e-6", "[2, 4]", "{balance:
  * true}". A map or list that stands there is replaced as a whole; keys that are missing are made, entries of
  * lists are not. The new value has the line of what it replaces, or of the map that it is put into. GH_INPUT:
  * the way does not exist, the value is no YAML; the document is then as it was. */
-gh_status gh_yaml_set(gh_yaml *doc, const char *key, const char *value);
+GH_API gh_status gh_yaml_set(gh_yaml *doc, const char *key, const char *value);
 /* The value in one line, in flow style, in the order of the file and without its comments: the same document
  * again when it is parsed. */
-void gh_yaml_print(gh_yaml_node node, gh_text *out);
+GH_API void gh_yaml_print(gh_yaml_node node, gh_text *out);
 
 /* ---- HDF5 ---- */
 
 typedef struct gh_h5 gh_h5;
 /* false: built without HDF5 (make HDF5=0). Then gh_h5_open and gh_h5_read fail, GH_INPUT, and say so. */
-bool gh_h5_available(void);
-/* For programs that use MPI, before MPI_Init: otherwise HDF5 hangs itself on MPI_Finalize, and what a failure has
- * left open there ends the program. Nothing else needs it. */
-void gh_h5_start(void);
+GH_API bool gh_h5_available(void);
+/* For programs that use MPI, before MPI_Init: otherwise HDF5 hangs itself on MPI_Finalize, and what a failure
+ * has left open there ends the program. Nothing else needs it. */
+GH_API void gh_h5_start(void);
 /* Opens a file for change, with what path holds when it exists and append is true. It is kept in memory until
  * gh_h5_commit puts it into place as a text is: HDF5 1.10 itself does not survive a full disk. A dataset that
  * is put again is replaced.
  * kind: what the file holds and the version of that, "state 1" (at most 39 letters). It stands in the first
  * 512 bytes, a user block of HDF5, with the length of the file and a checksum over each of its bytes, which
  * are checked whenever it is opened: GH_INPUT for what is damaged, of another kind or without a checksum. */
-gh_status gh_h5_open(gh_context *ctx, const char *path, const char *kind, bool append, gh_h5 **file);
+GH_API gh_status gh_h5_open(gh_context *ctx, const char *path, const char *kind, bool append, gh_h5 **file);
 /* Opens for reading. GH_INPUT: missing, or as above. With `sealed` a file of HDF5 that has no checksum is
  * read all the same, and *sealed tells. */
-gh_status gh_h5_read(gh_context *ctx, const char *path, const char *kind, bool *sealed, gh_h5 **file);
+GH_API gh_status gh_h5_read(gh_context *ctx, const char *path, const char *kind, bool *sealed, gh_h5 **file);
 /* Datasets; groups in the name are made as needed ("/step0003/P"). cols 1: a vector. */
-gh_status gh_h5_put_doubles(gh_h5 *file, const char *name, size_t rows, size_t cols, const double *data);
-gh_status gh_h5_put_ints(gh_h5 *file, const char *name, size_t rows, size_t cols, const int *data);
-gh_status gh_h5_put_text(gh_h5 *file, const char *name, const char *text);
+GH_API gh_status gh_h5_put_doubles(gh_h5 *file, const char *name, size_t rows, size_t cols,
+                                   const double *data);
+GH_API gh_status gh_h5_put_ints(gh_h5 *file, const char *name, size_t rows, size_t cols, const int *data);
+GH_API gh_status gh_h5_put_text(gh_h5 *file, const char *name, const char *text);
 /* Removes a dataset or a group with all that is in it; *there: it was there. */
-gh_status gh_h5_remove(gh_h5 *file, const char *name, bool *there);
+GH_API gh_status gh_h5_remove(gh_h5 *file, const char *name, bool *there);
 /* Whether there is a dataset or a group of this name. GH_MEMORY, GH_SYSTEM: that cannot be found out. */
-gh_status gh_h5_there(gh_h5 *file, const char *name, bool *there);
+GH_API gh_status gh_h5_there(gh_h5 *file, const char *name, bool *there);
 /* Rows and columns of a dataset (cols 1 for a vector); GH_INPUT when it is missing. */
-gh_status gh_h5_size(gh_h5 *file, const char *name, size_t *rows, size_t *cols);
-gh_status gh_h5_get_doubles(gh_h5 *file, const char *name, size_t rows, size_t cols, double *data);
-gh_status gh_h5_get_ints(gh_h5 *file, const char *name, size_t rows, size_t cols, int *data);
+GH_API gh_status gh_h5_size(gh_h5 *file, const char *name, size_t *rows, size_t *cols);
+GH_API gh_status gh_h5_get_doubles(gh_h5 *file, const char *name, size_t rows, size_t cols, double *data);
+GH_API gh_status gh_h5_get_ints(gh_h5 *file, const char *name, size_t rows, size_t cols, int *data);
 /* A text that gh_h5_put_text wrote, of at most size - 1 bytes. */
-gh_status gh_h5_get_text(gh_h5 *file, const char *name, size_t size, char *text);
+GH_API gh_status gh_h5_get_text(gh_h5 *file, const char *name, size_t size, char *text);
 /* Flush, close, fsync, rename. The file is closed afterwards, also when this fails. */
-gh_status gh_h5_commit(gh_h5 **file);
-void gh_h5_close(gh_h5 **file); /* drops what was not committed */
+GH_API gh_status gh_h5_commit(gh_h5 **file);
+GH_API void gh_h5_close(gh_h5 **file); /* drops what was not committed */
 
 #ifdef __cplusplus
 }

@@ -15,25 +15,25 @@ extern "C" {
 
 /* A silent instance on this process alone (MPI_COMM_SELF; MPI is initialised if nobody did), with granhom's
  * styles. GH_ENGINE: version below 29 Sep 2021, or a LAMMPS whose functions cannot be replaced. */
-gh_status gh_lmp_open(gh_context *ctx, void **lmp);
+GH_API gh_status gh_lmp_open(gh_context *ctx, void **lmp);
 /* Of an open instance, as a date: 20210929. */
-int gh_lmp_version(gh_context *ctx, void *lmp);
+GH_API int gh_lmp_version(gh_context *ctx, void *lmp);
 /* Closes; takes NULL. Errors of LAMMPS are dropped. */
-void gh_lmp_close(void **lmp);
+GH_API void gh_lmp_close(void **lmp);
 /* One input command. */
-gh_status gh_lmp_command(gh_context *ctx, void *lmp, const char *format, ...) GH_PRINTF(3, 4);
+GH_API gh_status gh_lmp_command(gh_context *ctx, void *lmp, const char *format, ...) GH_PRINTF(3, 4);
 /* n atoms with ids 1..n of these types at x (n x 3); GH_ENGINE when LAMMPS takes not all of them. */
-gh_status gh_lmp_create_atoms(gh_context *ctx, void *lmp, int n, const int *id, const int *type,
-                              const double *x);
+GH_API gh_status gh_lmp_create_atoms(gh_context *ctx, void *lmp, int n, const int *id, const int *type,
+                                     const double *x);
 /* Integer setting ("nlocal"). */
-gh_status gh_lmp_setting(gh_context *ctx, void *lmp, const char *name, int *value);
+GH_API gh_status gh_lmp_setting(gh_context *ctx, void *lmp, const char *name, int *value);
 /* Array of a per-atom property ("x", "id", "image", ...); valid until the next run. p is a pointer to the
  * array's pointer. */
-gh_status gh_lmp_atom(gh_context *ctx, void *lmp, const char *name, void *p);
+GH_API gh_status gh_lmp_atom(gh_context *ctx, void *lmp, const char *name, void *p);
 /* Local array of a compute: rows x columns; *rows may be NULL when there is none. */
-gh_status gh_lmp_local(gh_context *ctx, void *lmp, const char *id, int *count, double ***rows);
+GH_API gh_status gh_lmp_local(gh_context *ctx, void *lmp, const char *id, int *count, double ***rows);
 /* Component of a fix's global vector. */
-gh_status gh_lmp_fix_vector(gh_context *ctx, void *lmp, const char *id, int component, double *value);
+GH_API gh_status gh_lmp_fix_vector(gh_context *ctx, void *lmp, const char *id, int component, double *value);
 
 /* ---- a LAMMPS program of its own ---- */
 
@@ -41,8 +41,8 @@ gh_status gh_lmp_fix_vector(gh_context *ctx, void *lmp, const char *id, int comp
  * initialised if nobody did). programs: the script may run other programs (the command shell and the like,
  * which are errors otherwise). *exit_status: that of a `quit` command, else 0. GH_ENGINE: an error; on all
  * ranks unless *alone is set: then the other ranks do not know, and the caller must end them (MPI_Abort). */
-gh_status gh_lmp_program(gh_context *ctx, int argc, char **argv, bool programs, int *exit_status,
-                         bool *alone);
+GH_API gh_status gh_lmp_program(gh_context *ctx, int argc, char **argv, bool programs, int *exit_status,
+                                bool *alone);
 
 #ifdef __cplusplus
 }

@@ -39,24 +39,24 @@ typedef struct gh_limits {
 /* The values are in src/micro/limits.c. By options->allow_overlap: infinite, all of accepted states; a
  * number, the mean overlap: above the default without limits on the volume fraction and engulfed grains. What
  * is allowed in this way is not warned of. */
-gh_limits gh_limits_of(const gh_rve_options *options);
+GH_API gh_limits gh_limits_of(const gh_rve_options *options);
 
 /* Whether an accepted state is within those limits at which the computation stops. */
-bool gh_limits_hold(const gh_limits *limits, const gh_rve_measures *m);
+GH_API bool gh_limits_hold(const gh_limits *limits, const gh_rve_measures *m);
 /* Checks an accepted state. `where` ("step 3", "integration point 7") begins the message. GH_LIMIT: value,
  * limit, likely cause. */
-gh_status gh_limits_check_state(gh_context *ctx, const gh_rve_options *options, const gh_rve_measures *m,
-                                const char *where);
+GH_API gh_status gh_limits_check_state(gh_context *ctx, const gh_rve_options *options,
+                                       const gh_rve_measures *m, const char *where);
 /* Warns of a mean overlap (over the mean radius), as long as *warned is false. */
-void gh_limits_warn(gh_context *ctx, const gh_rve_options *options, const char *where, double overlap,
-                    double pressure, bool *warned);
+GH_API void gh_limits_warn(gh_context *ctx, const gh_rve_options *options, const char *where, double overlap,
+                           double pressure, bool *warned);
 /* Whether a line of the log is a warning of this file: for those who silence all others. */
-bool gh_limits_is_warning(const char *line);
+GH_API bool gh_limits_is_warning(const char *line);
 /* Both, for a single packing. */
-gh_status gh_limits_check(gh_context *ctx, const gh_rve_options *options, const gh_rve_measures *m,
-                          const char *where, bool *warned);
+GH_API gh_status gh_limits_check(gh_context *ctx, const gh_rve_options *options, const gh_rve_measures *m,
+                                 const char *where, bool *warned);
 /* Mean Cauchy stress, compression positive. */
-double gh_limits_pressure(const gh_rve_measures *m);
+GH_API double gh_limits_pressure(const gh_rve_measures *m);
 
 /* Normal: compression above 0, a tension is refused. Signless: a shear stress. Load: its stress is an
  * estimate, and there is nothing but a warning. */
@@ -64,19 +64,20 @@ typedef enum gh_stress_kind { GH_STRESS_NORMAL, GH_STRESS_SIGNLESS, GH_STRESS_LO
 /* Checks a stress that is prescribed, before anything is computed; `what` names it with its value. At most
  * one warning as long as *warned is false. GH_INPUT: "WHERE: ...", a tension, or too much for the stiffness.
  */
-gh_status gh_limits_check_stress(gh_context *ctx, const gh_rve_options *options, const char *where,
-                                 const char *what, double compression, gh_stress_kind kind, bool *warned);
+GH_API gh_status gh_limits_check_stress(gh_context *ctx, const gh_rve_options *options, const char *where,
+                                        const char *what, double compression, gh_stress_kind kind,
+                                        bool *warned);
 /* Checks a deformation gradient that is prescribed for a packing with this volume fraction as read. GH_INPUT:
  * "WHERE: ..." det F <= 0 or one that no packing can follow. */
-gh_status gh_limits_check_F(gh_context *ctx, const gh_rve_options *options, const char *where,
-                            const double F[4], double fraction);
+GH_API gh_status gh_limits_check_F(gh_context *ctx, const gh_rve_options *options, const char *where,
+                                   const double F[4], double fraction);
 /* The same for det F alone, as `what` ("volume"). */
-gh_status gh_limits_check_volume(gh_context *ctx, const gh_rve_options *options, const char *where,
-                                 const char *what, double det, double fraction);
+GH_API gh_status gh_limits_check_volume(gh_context *ctx, const gh_rve_options *options, const char *where,
+                                        const char *what, double det, double fraction);
 /* The likely cause of a wrong F, in a sentence. */
-extern const char gh_limits_undeformed[];
+GH_API extern const char gh_limits_undeformed[];
 /* Areas of the grains over that of the cell, as read. */
-double gh_packing_volume_fraction(const gh_packing *packing);
+GH_API double gh_packing_volume_fraction(const gh_packing *packing);
 
 #ifdef __cplusplus
 }

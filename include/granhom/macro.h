@@ -12,28 +12,28 @@ extern "C" {
 /* ---- loads: what acts at the end of an increment ---- */
 
 typedef struct gh_loads gh_loads;
-gh_status gh_loads_create(gh_context *ctx, const gh_mesh *mesh, gh_loads **loads);
-void gh_loads_destroy(gh_loads **loads);
-void gh_loads_clear(gh_loads *loads);
+GH_API gh_status gh_loads_create(gh_context *ctx, const gh_mesh *mesh, gh_loads **loads);
+GH_API void gh_loads_destroy(gh_loads **loads);
+GH_API void gh_loads_clear(gh_loads *loads);
 /* Displacement component dir (0 x, 1 y) of all nodes of a set. A later call for the same node overrides. */
-gh_status gh_loads_displace(gh_loads *loads, int set, int dir, double value);
+GH_API gh_status gh_loads_displace(gh_loads *loads, int set, int dir, double value);
 /* Pressure > 0 pushes into the body; per reference length and direction (dead), or a follower load on the
  * deformed edge. */
-gh_status gh_loads_pressure(gh_loads *loads, int set, double pressure, bool follow);
+GH_API gh_status gh_loads_pressure(gh_loads *loads, int set, double pressure, bool follow);
 /* Force on each node of a set. */
-gh_status gh_loads_force(gh_loads *loads, int set, const double force[2]);
+GH_API gh_status gh_loads_force(gh_loads *loads, int set, const double force[2]);
 /* Weight per reference area. */
-gh_status gh_loads_gravity(gh_loads *loads, const double b[2]);
+GH_API gh_status gh_loads_gravity(gh_loads *loads, const double b[2]);
 /* A rigid, massless and rough footing on the straight edge `set`: its nodes move as a rigid body, with finite
  * rotation, from where they are when the footing is first given; a dead load acts on the body at the point
  * `at` (reference coordinates; it follows the footing). More forces on the same footing are more calls. The
  * footing stands as long as the loads that are solved for name it. GH_INPUT: no edges, an edge that is not
  * straight, a footing that shares nodes with another one. Nodes that are fixed as well are found by
  * gh_macro_solve. */
-gh_status gh_loads_footing(gh_loads *loads, int set, const double at[2], const double force[2]);
+GH_API gh_status gh_loads_footing(gh_loads *loads, int set, const double at[2], const double force[2]);
 /* Middle between the ends of a footing's edge (reference coordinates) and the point on its line at the
  * distance `eccentricity` from it, towards growing x (growing y where the edge is upright). */
-void gh_footing_point(const gh_mesh *mesh, int set, double eccentricity, double at[2]);
+GH_API void gh_footing_point(const gh_mesh *mesh, int set, double eccentricity, double at[2]);
 
 /* ---- the problem ---- */
 
@@ -48,8 +48,8 @@ typedef enum gh_tangent {
   GH_TANGENT_ELASTIC      /* of u = 0 before the first increment, where contacts stick: likewise */
 } gh_tangent;
 /* "algorithmic", "symmetrised", "frozen", "elastic"; false when the word is none of them. */
-bool gh_tangent_from_name(const char *name, gh_tangent *tangent);
-const char *gh_tangent_name(gh_tangent tangent);
+GH_API bool gh_tangent_from_name(const char *name, gh_tangent *tangent);
+GH_API const char *gh_tangent_name(gh_tangent tangent);
 
 enum { GH_MACRO_MEMORY = 10 };
 
@@ -67,7 +67,7 @@ typedef struct gh_macro_options {
   gh_tangent tangent; /* default: algorithmic. With frozen and elastic the packings compute tangents at the
                          end of a substep alone, by one evaluation more */
 } gh_macro_options;
-gh_macro_options gh_macro_defaults(void);
+GH_API gh_macro_options gh_macro_defaults(void);
 
 /* One line of convergence: called after each residual. `iteration` 0 is the residual before the first
  * correction. */
@@ -91,19 +91,19 @@ typedef struct gh_macro_report {
 
 /* The mesh and the farm (4 points per element, point 4 e + g) stay the caller's and must outlive the macro.
  */
-gh_status gh_macro_create(gh_context *ctx, const gh_mesh *mesh, gh_farm *farm,
-                          const gh_macro_options *options, gh_macro **macro);
-void gh_macro_destroy(gh_macro **macro);
-void gh_macro_set_watch(gh_macro *macro, gh_macro_watch *watch, void *data);
+GH_API gh_status gh_macro_create(gh_context *ctx, const gh_mesh *mesh, gh_farm *farm,
+                                 const gh_macro_options *options, gh_macro **macro);
+GH_API void gh_macro_destroy(gh_macro **macro);
+GH_API void gh_macro_set_watch(gh_macro *macro, gh_macro_watch *watch, void *data);
 /* Holds the initial stress: from now on the internal forces at u = 0 act as fixed external forces. Before the
  * first solve. */
-gh_status gh_macro_balance(gh_macro *macro);
+GH_API gh_status gh_macro_balance(gh_macro *macro);
 /* Finds the equilibrium under `loads` from the last one, and commits. Between the two, dead loads, follower
  * loads and prescribed displacements go linearly, and the reactions of supports that are released fade
  * linearly. GH_INPUT: singular for want of supports (names a node and direction). GH_DIVERGED: bisections
  * spent; the state is that of the last converged substep (farm reverted), and the message names the
  * integration point or the node with the largest residual and the reason. */
-gh_status gh_macro_solve(gh_macro *macro, const gh_loads *loads, gh_macro_report *report);
+GH_API gh_status gh_macro_solve(gh_macro *macro, const gh_loads *loads, gh_macro_report *report);
 /* ---- estimates of its error (docs/explanation/method.md) ---- */
 
 /* Of all converged substeps since the energy was set to zero; the residuals since the start. */
@@ -117,15 +117,15 @@ typedef struct gh_energy {
   double scale; /* int |P| |F| dV0 at the end: work below 1e-12 of it is round-off (a rotation) */
   double residual, micro_residual; /* largest relative residual of a substep, and of a packing in it */
 } gh_energy;
-void gh_macro_energy(const gh_macro *macro, gh_energy *energy);
+GH_API void gh_macro_energy(const gh_macro *macro, gh_energy *energy);
 /* The current equilibrium is the zero from now on; without this u = 0 is. */
-void gh_macro_zero_energy(gh_macro *macro);
+GH_API void gh_macro_zero_energy(gh_macro *macro);
 /* Energy imbalance (Hill-Mandel): internal work less what the packings have gained and dissipated, over
  * `largest`; 0 where all work was round-off. */
-double gh_energy_defect(const gh_energy *energy);
+GH_API double gh_energy_defect(const gh_energy *energy);
 /* Work imbalance: external work, what was set free in instabilities apart, less internal work, over
  * `largest`. */
-double gh_work_defect(const gh_energy *energy);
+GH_API double gh_work_defect(const gh_energy *energy);
 
 /* How the body that goes in halves and the one that goes in whole increments differ. Root mean squares are
  * over the areas of the points, of Frobenius norms. */
@@ -145,38 +145,39 @@ typedef struct gh_difference {
  * finds an equilibrium, or an instability was stepped over, both continue from it as one. The report is that
  * of the current state, with the seconds of both; the watch sees the halves alone. GH_INPUT: a farm without
  * RVEs. */
-gh_status gh_macro_solve_twice(gh_macro *macro, const gh_loads *loads, gh_macro_report *report,
-                               gh_difference *difference);
+GH_API gh_status gh_macro_solve_twice(gh_macro *macro, const gh_loads *loads, gh_macro_report *report,
+                                      gh_difference *difference);
 /* Both continue from the current state as one. */
-void gh_macro_join(gh_macro *macro);
+GH_API void gh_macro_join(gh_macro *macro);
 /* Whether the two are apart; exchanges them (for saving both); makes the current state, macro and farm, the
  * one of the whole increments (for loading both: this one first). */
-bool gh_macro_apart(const gh_macro *macro);
-gh_status gh_macro_exchange(gh_macro *macro);
-gh_status gh_macro_part(gh_macro *macro);
+GH_API bool gh_macro_apart(const gh_macro *macro);
+GH_API gh_status gh_macro_exchange(gh_macro *macro);
+GH_API gh_status gh_macro_part(gh_macro *macro);
 
 /* Depth of bisection of the next increments, in place of the option's cut_steps (0 ... 40). */
-void gh_macro_allow_cuts(gh_macro *macro, int cut_steps);
+GH_API void gh_macro_allow_cuts(gh_macro *macro, int cut_steps);
 
 /* All that the next gh_macro_solve starts from, without the states of the farm, as numbers: a macro of the
  * same mesh and options that loads them continues to the same last bit. GH_INPUT: not of this mesh. */
-size_t gh_macro_state_size(const gh_macro *macro);
-void gh_macro_save(const gh_macro *macro, double *state);
-gh_status gh_macro_load(gh_macro *macro, const double *state, size_t size);
+GH_API size_t gh_macro_state_size(const gh_macro *macro);
+GH_API void gh_macro_save(const gh_macro *macro, double *state);
+GH_API gh_status gh_macro_load(gh_macro *macro, const double *state, size_t size);
 
 /* State at the last equilibrium. Arrays belong to the macro. */
-const double *gh_macro_u(const gh_macro *macro);         /* nnodes x 2 */
-const double *gh_macro_F(const gh_macro *macro);         /* npoints x 4 */
-const double *gh_macro_P(const gh_macro *macro);         /* npoints x 4 */
-const double *gh_macro_A(const gh_macro *macro);         /* npoints x 16 */
-const double *gh_macro_reactions(const gh_macro *macro); /* nnodes x 2: force of the supports on the body */
+GH_API const double *gh_macro_u(const gh_macro *macro); /* nnodes x 2 */
+GH_API const double *gh_macro_F(const gh_macro *macro); /* npoints x 4 */
+GH_API const double *gh_macro_P(const gh_macro *macro); /* npoints x 4 */
+GH_API const double *gh_macro_A(const gh_macro *macro); /* npoints x 16 */
+GH_API const double *
+gh_macro_reactions(const gh_macro *macro); /* nnodes x 2: force of the supports on the body */
 /* Sum of the reactions over the nodes of a set (corners count for both edges). */
-void gh_macro_reaction(const gh_macro *macro, int set, double sum[2]);
+GH_API void gh_macro_reaction(const gh_macro *macro, int set, double sum[2]);
 /* How a footing has moved against the reference: the middle between the ends of its edge, and the angle of
  * the line between them (counter-clockwise, radians). Its force on the body is gh_macro_reaction. */
-void gh_macro_footing(const gh_macro *macro, int set, double u[2], double *turn);
+GH_API void gh_macro_footing(const gh_macro *macro, int set, double u[2], double *turn);
 /* Area of the mesh, reference and current; dilatancy is 100 (v/V - 1). */
-void gh_macro_volumes(const gh_macro *macro, double *V, double *v);
+GH_API void gh_macro_volumes(const gh_macro *macro, double *V, double *v);
 
 #ifdef __cplusplus
 }

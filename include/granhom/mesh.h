@@ -28,26 +28,26 @@ typedef struct gh_mesh {
 
 /* [low, low + size] with elements[0] x elements[1] equal quadrilaterals; sets left right bottom top. Nodes
  * row by row from below. */
-gh_status gh_mesh_rectangle(gh_context *ctx, const double low[2], const double size[2], const int elements[2],
-                            gh_mesh **mesh);
+GH_API gh_status gh_mesh_rectangle(gh_context *ctx, const double low[2], const double size[2],
+                                   const int elements[2], gh_mesh **mesh);
 /* Gmsh MSH 2.2 or 4.1 ASCII; 4-node quadrilaterals in the plane z = 0; physical groups of lines and points
  * become sets (their names, else their numbers). Clockwise quadrilaterals are turned. Errors, GH_INPUT with
  * file and line: other versions, binary, triangles or quadratic elements, inverted (non-convex)
  * quadrilaterals, no quadrilateral, nodes missing. Nodes used by no quadrilateral are left out. */
-gh_status gh_mesh_read_gmsh(gh_context *ctx, const char *path, gh_mesh **mesh);
+GH_API gh_status gh_mesh_read_gmsh(gh_context *ctx, const char *path, gh_mesh **mesh);
 /* Jacobian > 0 at every Gauss point and every corner angle below 180 degrees, else GH_INPUT naming the
  * element. */
-gh_status gh_mesh_check(gh_context *ctx, const gh_mesh *mesh);
+GH_API gh_status gh_mesh_check(gh_context *ctx, const gh_mesh *mesh);
 /* True when the quadrilateral with corners x (counter-clockwise) is convex with an area. */
-bool gh_quad_convex(const double x[4][2]);
+GH_API bool gh_quad_convex(const double x[4][2]);
 /* Index of the set of that name; -1 when there is none. */
-int gh_mesh_find(const gh_mesh *mesh, const char *name);
+GH_API int gh_mesh_find(const gh_mesh *mesh, const char *name);
 /* Name of degree of freedom 2 a + i, component i of node a: "node 7 at (1, 2) in x". Returns text. */
 enum { GH_DOF_NAME = 96 };
-const char *gh_mesh_dof_name(const gh_mesh *mesh, int dof, char text[GH_DOF_NAME]);
+GH_API const char *gh_mesh_dof_name(const gh_mesh *mesh, int dof, char text[GH_DOF_NAME]);
 /* Reference coordinates (nelements * 4 x 2) of the Gauss points, point 4 e + g. */
-void gh_mesh_gauss(const gh_mesh *mesh, double *XG);
-void gh_mesh_destroy(gh_mesh **mesh);
+GH_API void gh_mesh_gauss(const gh_mesh *mesh, double *XG);
+GH_API void gh_mesh_destroy(gh_mesh **mesh);
 
 /* ---- boundary ---- */
 
@@ -57,12 +57,13 @@ typedef struct gh_mesh_edge {
 } gh_mesh_edge;
 /* The sides that belong to one element only, sorted by their nodes. quad: nelements. The caller frees *edges,
  * also after GH_MEMORY. */
-gh_status gh_mesh_boundary_edges(gh_context *ctx, int nelements, const int (*quad)[4], gh_mesh_edge **edges,
-                                 int *count);
+GH_API gh_status gh_mesh_boundary_edges(gh_context *ctx, int nelements, const int (*quad)[4],
+                                        gh_mesh_edge **edges, int *count);
 /* The edge between two nodes, in either direction, among edges sorted as above; NULL when there is none. */
-const gh_mesh_edge *gh_mesh_find_edge(const gh_mesh_edge *edges, int count, int a, int b);
+GH_API const gh_mesh_edge *gh_mesh_find_edge(const gh_mesh_edge *edges, int count, int a, int b);
 /* Whether two sets have an edge in common. GH_MEMORY. */
-gh_status gh_mesh_share_edges(gh_context *ctx, const gh_mesh_set *a, const gh_mesh_set *b, bool *share);
+GH_API gh_status gh_mesh_share_edges(gh_context *ctx, const gh_mesh_set *a, const gh_mesh_set *b,
+                                     bool *share);
 
 /* ---- reference element: 2 x 2 Gauss points, total Lagrangian ---- */
 
@@ -72,34 +73,36 @@ typedef struct gh_shapes {
 } gh_shapes;
 
 /* Values of the four shape functions at Gauss point g. */
-void gh_shape_values(int g, double N[4]);
+GH_API void gh_shape_values(int g, double N[4]);
 /* Derivatives with respect to X and the area of Gauss point g of a quadrilateral with corners x. */
-void gh_shape_gradients(const double x[4][2], int g, double grad[4][2], double *area);
+GH_API void gh_shape_gradients(const double x[4][2], int g, double grad[4][2], double *area);
 /* Of all points of a mesh. GH_MEMORY: gh_shapes_destroy frees what was allocated. */
-gh_status gh_shapes_create(gh_context *ctx, const gh_mesh *mesh, gh_shapes *shapes);
-void gh_shapes_destroy(gh_shapes *shapes);
+GH_API gh_status gh_shapes_create(gh_context *ctx, const gh_mesh *mesh, gh_shapes *shapes);
+GH_API void gh_shapes_destroy(gh_shapes *shapes);
 /* F = 1 + grad u at the element's four points (4 x 4). u: nnodes x 2. */
-void gh_element_deformation(const gh_shapes *s, const gh_mesh *mesh, int e, const double *u, double *F);
+GH_API void gh_element_deformation(const gh_shapes *s, const gh_mesh *mesh, int e, const double *u,
+                                   double *F);
 /* f[2 a + i] = int P_iJ N_a,J (2.10); P: 4 x 4. */
-void gh_element_force(const gh_shapes *s, int e, const double *P, double f[8]);
+GH_API void gh_element_force(const gh_shapes *s, int e, const double *P, double f[8]);
 /* K[2 a + i][2 b + k] = int N_a,J A_iJkL N_b,L; A: 4 x 16. */
-void gh_element_stiffness(const gh_shapes *s, int e, const double *A, double K[8][8]);
+GH_API void gh_element_stiffness(const gh_shapes *s, int e, const double *A, double K[8][8]);
 
 /* ---- measures: from Gauss points to cells and nodes ---- */
 
 /* Von Mises stress of the plane, sqrt(3/2 s_dev : s_dev) (dissertation 6.4.2): zero under equal pressure. */
-double gh_mises2(const double cauchy[4]);
+GH_API double gh_mises2(const double cauchy[4]);
 /* Which corner of element e the Gauss point at x (reference coordinates) belongs to. */
-int gh_mesh_gauss_corner(const gh_mesh *mesh, int e, const double x[2]);
+GH_API int gh_mesh_gauss_corner(const gh_mesh *mesh, int e, const double x[2]);
 /* points: 4 nelements x cols. cells: nelements x cols, means over the four points. */
-void gh_mesh_cell_average(int nelements, int cols, const double *points, double *cells);
+GH_API void gh_mesh_cell_average(int nelements, int cols, const double *points, double *cells);
 /* points: 4 nelements x cols. nodes: nnodes x cols, extrapolated to the corners of the elements and averaged
  * over the elements. GH_MEMORY. */
-gh_status gh_mesh_nodal_average(gh_context *ctx, const gh_mesh *mesh, int cols, const double *points,
-                                double *nodes);
+GH_API gh_status gh_mesh_nodal_average(gh_context *ctx, const gh_mesh *mesh, int cols, const double *points,
+                                       double *nodes);
 /* cauchy: 4 nelements x 4. nodes: nnodes, von Mises of stresses extrapolated to the corners and averaged over
  * the elements. GH_MEMORY. */
-gh_status gh_mesh_nodal_mises(gh_context *ctx, const gh_mesh *mesh, const double *cauchy, double *nodes);
+GH_API gh_status gh_mesh_nodal_mises(gh_context *ctx, const gh_mesh *mesh, const double *cauchy,
+                                     double *nodes);
 
 #ifdef __cplusplus
 }

@@ -15,8 +15,8 @@ typedef struct gh_rve gh_rve;
 /* Boundary conditions (method 2). */
 typedef enum gh_boundary { GH_TAYLOR, GH_TAYLOR_CELL, GH_RESTRICTED, GH_PERIODIC } gh_boundary;
 /* "taylor", "taylor-cell", "restricted", "periodic"; false when the word is none of them. */
-bool gh_boundary_from_name(const char *name, gh_boundary *b);
-const char *gh_boundary_name(gh_boundary b);
+GH_API bool gh_boundary_from_name(const char *name, gh_boundary *b);
+GH_API const char *gh_boundary_name(gh_boundary b);
 
 typedef struct gh_rve_options {
   gh_boundary boundary;
@@ -32,12 +32,12 @@ typedef struct gh_rve_options {
   double allow_overlap;     /* of accepted states, see granhom/limits.h: 0, the default: gh_default_limits;
                                INFINITY: any; else the largest mean overlap over the mean radius */
 } gh_rve_options;
-gh_rve_options gh_rve_defaults(void);
+GH_API gh_rve_options gh_rve_defaults(void);
 /* The relaxation steps that these options allow: max_steps, or the default (friction relaxes in fewer). */
-long gh_rve_step_limit(const gh_rve_options *options);
+GH_API long gh_rve_step_limit(const gh_rve_options *options);
 
 /* Whether a packing often has several equilibria close to each other at one F: free grains with friction. */
-bool gh_rve_has_branches(const gh_rve_options *options);
+GH_API bool gh_rve_has_branches(const gh_rve_options *options);
 
 enum { GH_WANT_TANGENT = 1 };
 
@@ -81,13 +81,13 @@ typedef struct gh_rve_cost {
 
 /* Makes an RVE whose converged state is the packing as read (F = I, no fluctuation). The packing is copied.
  * Errors: GH_INPUT (options out of range), GH_ENGINE. */
-gh_status gh_rve_create(gh_context *ctx, const gh_packing *packing, const gh_rve_options *options,
-                        gh_rve **rve);
-void gh_rve_destroy(gh_rve **rve);
+GH_API gh_status gh_rve_create(gh_context *ctx, const gh_packing *packing, const gh_rve_options *options,
+                               gh_rve **rve);
+GH_API void gh_rve_destroy(gh_rve **rve);
 /* Finds the equilibrium at F (row-major, det > 0) from the converged state and makes it the trial state. P
  * (5.3-5.6) and, where `want` asks, A (6.3, 6.7, 6.18, 6.19); A may be NULL otherwise. GH_INPUT: det F <= 0
  * or not finite. GH_DIVERGED: no equilibrium within max_steps. */
-gh_status gh_rve_evaluate(gh_rve *rve, const double F[4], unsigned want, double P[4], double A[16]);
+GH_API gh_status gh_rve_evaluate(gh_rve *rve, const double F[4], unsigned want, double P[4], double A[16]);
 /* The same, with a trial state of this RVE (gh_rve_save_trial) that was found from the same converged state:
  * the search for equilibrium starts there if F is near to its F, that is, no farther than a tenth of the
  * distance from the converged one to that. A packing that has several equilibria at nearly the same F then
@@ -95,11 +95,11 @@ gh_status gh_rve_evaluate(gh_rve *rve, const double F[4], unsigned want, double 
  * contacts counts from the converged state, or from the last intermediate history commit before that trial
  * state, so that its tangent holds. NULL, and Taylor's conditions: as gh_rve_evaluate. GH_INPUT: the state
  * does not fit. */
-gh_status gh_rve_evaluate_near(gh_rve *rve, const double F[4], const double *near, size_t size, unsigned want,
-                               double P[4], double A[16]);
-gh_status gh_rve_commit(
+GH_API gh_status gh_rve_evaluate_near(gh_rve *rve, const double F[4], const double *near, size_t size,
+                                      unsigned want, double P[4], double A[16]);
+GH_API gh_status gh_rve_commit(
     gh_rve *rve); /* trial state becomes the converged state; without a trial state nothing happens */
-gh_status gh_rve_revert(gh_rve *rve); /* trial state is dropped */
+GH_API gh_status gh_rve_revert(gh_rve *rve); /* trial state is dropped */
 
 /* An increment along the straight path between two F, row-major. */
 typedef struct gh_rve_way {
@@ -118,7 +118,7 @@ enum { GH_WAY_CUTS = 6 };
  * again. At the largest depth a packing that has spent its steps within three times the tolerance is accepted
  * unconverged. All substeps but the last are committed. GH_DIVERGED: bisections are spent; the converged
  * state is that of the last substep that was reached. Other errors as in gh_rve_evaluate. */
-gh_status gh_rve_reach(gh_rve *rve, gh_rve_way *way, double A[16]);
+GH_API gh_status gh_rve_reach(gh_rve *rve, gh_rve_way *way, double A[16]);
 
 /* Hill-Mandel along the substeps of a path: work of P on F by the trapezoidal rule against what the packing
  * stores and has dissipated, per reference area. Zero at the start; the first substep is the zero of both. */
@@ -129,21 +129,22 @@ typedef struct gh_rve_balance {
   double first, largest; /* what was stored at the first substep; largest work or gain so far */
   double residual;       /* largest */
 } gh_rve_balance;
-void gh_rve_balance_add(gh_rve_balance *balance, const gh_rve_measures *m);
+GH_API void gh_rve_balance_add(gh_rve_balance *balance, const gh_rve_measures *m);
 /* (work - held) / largest; 0 where nothing was done beyond round-off (a rotation): |P| |F| / 1e12. */
-double gh_rve_balance_defect(const gh_rve_balance *balance);
+GH_API double gh_rve_balance_defect(const gh_rve_balance *balance);
 /* Whether a path in halves and the same in whole increments are on different branches
  * (docs/explanation/method.md, "Error estimates"): `growth` is by how much they have diverged in this
  * increment, `change` how much the stress has changed in it, `scale` the stress, all in the same norm;
  * `tolerance` is that of the stress. */
-bool gh_is_branch(const gh_contact_law *law, double tolerance, double growth, double change, double scale);
+GH_API bool gh_is_branch(const gh_contact_law *law, double tolerance, double growth, double change,
+                         double scale);
 /* Of the last evaluation. */
-const gh_rve_measures *gh_rve_measure(const gh_rve *rve);
-void gh_rve_costs(const gh_rve *rve, gh_rve_cost *cost);
+GH_API const gh_rve_measures *gh_rve_measure(const gh_rve *rve);
+GH_API void gh_rve_costs(const gh_rve *rve, gh_rve_cost *cost);
 
 /* Piola stress from the forces on the boundary (5.16, 5.19, 5.22) of the last evaluation; equals P in
  * equilibrium. */
-gh_status gh_rve_boundary_stress(gh_rve *rve, double P[4]);
+GH_API gh_status gh_rve_boundary_stress(gh_rve *rve, double P[4]);
 /* Members of the last evaluation: number, current positions (n x 2), radii, primary grain and image (n x 2),
  * flags (1 rattler, 2 fixed, 4 replica), contacts. Periodic: the primaries alone, and `cell` holds the
  * current lattice vectors. Pointers belong to the RVE, valid until the next call. */
@@ -158,27 +159,27 @@ typedef struct gh_rve_view {
   double cell[4], low[2];
   bool periodic;
 } gh_rve_view;
-gh_status gh_rve_look(gh_rve *rve, gh_rve_view *view);
+GH_API gh_status gh_rve_look(gh_rve *rve, gh_rve_view *view);
 
 /* States as flat buffers of doubles: what a farm moves, stores and writes. Their size changes with the
  * contacts that have a history; get it before each save. A state belongs to one packing, boundary condition
  * and law. */
-size_t gh_rve_state_size(const gh_rve *rve); /* of the converged state, in doubles */
-gh_status gh_rve_save(const gh_rve *rve, double *state);
+GH_API size_t gh_rve_state_size(const gh_rve *rve); /* of the converged state, in doubles */
+GH_API gh_status gh_rve_save(const gh_rve *rve, double *state);
 /* The trial state likewise: what the converged state becomes by gh_rve_commit. Without a trial state these
  * are the converged one's. */
-size_t gh_rve_trial_size(const gh_rve *rve);
-gh_status gh_rve_save_trial(const gh_rve *rve, double *state);
+GH_API size_t gh_rve_trial_size(const gh_rve *rve);
+GH_API gh_status gh_rve_save_trial(const gh_rve *rve, double *state);
 /* Makes `state` the converged state and drops the trial state. What an evaluation gives afterwards is the
  * same to the last bit as in the RVE that the state was saved from. GH_INPUT: a size that does not fit the
  * content, values that are not finite, det F <= 0. */
-gh_status gh_rve_load(gh_rve *rve, const double *state, size_t size);
+GH_API gh_status gh_rve_load(gh_rve *rve, const double *state, size_t size);
 /* F of the converged state, row-major; belongs to the RVE. */
-const double *gh_rve_F(const gh_rve *rve);
+GH_API const double *gh_rve_F(const gh_rve *rve);
 
 /* Smallest eigenvalue of the symmetric part of Q_ik = A_iJkL N_J N_L over all unit N (method 7), and the
  * angle of that N. */
-double gh_acoustic(const double A[16], double *angle);
+GH_API double gh_acoustic(const double A[16], double *angle);
 
 #ifdef __cplusplus
 }

@@ -25,15 +25,15 @@ typedef struct gh_packing {
  * truncated or empty file, a value that is not finite, radius <= 0, ids that occur twice, z != 0, no atoms,
  * two grains at one place, grains that fill the cell more than twenty times.
  */
-gh_status gh_packing_read(gh_context *ctx, const char *path, gh_packing **packing);
+GH_API gh_status gh_packing_read(gh_context *ctx, const char *path, gh_packing **packing);
 /* Writes it back (17 digits), with grains at x (n x 2; NULL: reference positions) in the cell `cell` (NULL:
  * reference), turned so that the first lattice vector lies along x, and with the lattice vectors of the least
  * tilt. */
-gh_status gh_packing_write(gh_context *ctx, const gh_packing *packing, const char *path, const double *x,
-                           const double *cell);
-gh_status gh_packing_copy(gh_context *ctx, const gh_packing *from, gh_packing **packing);
-void gh_packing_destroy(gh_packing **packing);
-double gh_packing_mean_radius(const gh_packing *packing);
+GH_API gh_status gh_packing_write(gh_context *ctx, const gh_packing *packing, const char *path,
+                                  const double *x, const double *cell);
+GH_API gh_status gh_packing_copy(gh_context *ctx, const gh_packing *from, gh_packing **packing);
+GH_API void gh_packing_destroy(gh_packing **packing);
+GH_API double gh_packing_mean_radius(const gh_packing *packing);
 
 /* Primary grains and the replicas of those that touch the cell's boundary (method 8.1). */
 typedef struct gh_cluster {
@@ -45,8 +45,8 @@ typedef struct gh_cluster {
   double *radius;          /* n */
   int *type;               /* n */
 } gh_cluster;
-gh_status gh_cluster_create(gh_context *ctx, const gh_packing *packing, gh_cluster **cluster);
-void gh_cluster_destroy(gh_cluster **cluster);
+GH_API gh_status gh_cluster_create(gh_context *ctx, const gh_packing *packing, gh_cluster **cluster);
+GH_API void gh_cluster_destroy(gh_cluster **cluster);
 
 /* The boundary set B as a hull (3.14, 3.15 and the text after them). */
 typedef struct gh_hull {
@@ -58,7 +58,7 @@ typedef struct gh_hull {
   double smallest; /* smallest diameter of the packing */
   bool full;       /* gap < smallest: no grain can pass between two neighbours of B */
 } gh_hull;
-gh_status gh_hull_find(gh_context *ctx, const gh_packing *packing, gh_hull *hull);
+GH_API gh_status gh_hull_find(gh_context *ctx, const gh_packing *packing, gh_hull *hull);
 
 /* ---- sieve curves: which grains (3.12, 3.13) ---- */
 
@@ -77,23 +77,23 @@ typedef struct gh_sieve {
  * GH_INPUT: diameters that are not positive or not ordered, values below 0, percentages above 100, shares
  * whose sum is not 100 within 0.5, a passing that falls with the diameter or does not end at 100, no grains
  * at all. */
-gh_status gh_sieve_create(gh_context *ctx, gh_sieve_kind kind, int n, const double *diameter,
-                          const double *value, gh_sieve **sieve);
+GH_API gh_status gh_sieve_create(gh_context *ctx, gh_sieve_kind kind, int n, const double *diameter,
+                                 const double *value, gh_sieve **sieve);
 /* CSV with the column `diameter` and one of `count`, `volume_percent`, `passing`; errors with file and line.
  */
-gh_status gh_sieve_read(gh_context *ctx, const char *path, gh_sieve **sieve);
-void gh_sieve_destroy(gh_sieve **sieve);
+GH_API gh_status gh_sieve_read(gh_context *ctx, const char *path, gh_sieve **sieve);
+GH_API void gh_sieve_destroy(gh_sieve **sieve);
 /* Share of the number of grains of each fraction (3.12), with the exponent dim (2 or 3); n numbers, sum 1. */
-void gh_sieve_shares(const gh_sieve *sieve, int dim, double *share);
+GH_API void gh_sieve_shares(const gh_sieve *sieve, int dim, double *share);
 /* Least number of grains that has one of each fraction (3.13), rounded up. */
-double gh_sieve_least(const gh_sieve *sieve, int dim);
+GH_API double gh_sieve_least(const gh_sieve *sieve, int dim);
 /* Grains of each fraction (n numbers) whose sum is total: shares times total, rounded by largest remainder.
  * total 0: the curve's own counts (GH_SIEVE_COUNT only). GH_INPUT when total is below gh_sieve_least, which
  * the message names. */
-gh_status gh_sieve_counts(gh_context *ctx, const gh_sieve *sieve, int dim, int total, int *count);
+GH_API gh_status gh_sieve_counts(gh_context *ctx, const gh_sieve *sieve, int dim, int total, int *count);
 /* The grains one by one, largest first: diameter and type (fraction + 1), allocated, sum of count numbers. */
-gh_status gh_sieve_grains(gh_context *ctx, const gh_sieve *sieve, const int *count, int *n, double **diameter,
-                          int **type);
+GH_API gh_status gh_sieve_grains(gh_context *ctx, const gh_sieve *sieve, const int *count, int *n,
+                                 double **diameter, int **type);
 
 /* ---- event-driven growth (chapter 3) in two and three dimensions ---- */
 
@@ -105,12 +105,12 @@ typedef struct gh_grains {
   double *x;      /* n x dim, inside the cell, whose corner is the origin */
   double cell[9]; /* the first dim x dim: row-major, columns are the lattice vectors, upper triangular */
 } gh_grains;
-void gh_grains_destroy(gh_grains **grains);
+GH_API void gh_grains_destroy(gh_grains **grains);
 /* LAMMPS data file, atom_style sphere; plane packings have z = 0. */
-gh_status gh_grains_write(gh_context *ctx, const gh_grains *grains, const char *path);
+GH_API gh_status gh_grains_write(gh_context *ctx, const gh_grains *grains, const char *path);
 /* The same as a packing, dim 2 only; ids 1 ... n. */
-gh_status gh_grains_packing(gh_context *ctx, const gh_grains *grains, gh_packing **packing);
-double gh_grains_volume_fraction(const gh_grains *grains);
+GH_API gh_status gh_grains_packing(gh_context *ctx, const gh_grains *grains, gh_packing **packing);
+GH_API double gh_grains_volume_fraction(const gh_grains *grains);
 
 typedef enum gh_collision {
   GH_COLLISION_EXCHANGE, /* (3.9): equal masses, each grain is pushed by its own growth rate */
@@ -118,7 +118,7 @@ typedef enum gh_collision {
 } gh_collision;
 
 typedef enum gh_grow_stop { GH_STOP_FRACTION, GH_STOP_DRIED_UP, GH_STOP_TIME } gh_grow_stop;
-const char *gh_grow_stop_text(gh_grow_stop stop); /* "the volume fraction was reached" */
+GH_API const char *gh_grow_stop_text(gh_grow_stop stop); /* "the volume fraction was reached" */
 
 typedef struct gh_grow_options {
   unsigned long long seed;
@@ -131,7 +131,7 @@ typedef struct gh_grow_options {
   double window;          /* ... in this number of collisions per grain; > 0 */
   double seconds;         /* stops after this time of the clock; 0: none */
 } gh_grow_options;
-gh_grow_options gh_grow_defaults(int dim);
+GH_API gh_grow_options gh_grow_defaults(int dim);
 
 typedef struct gh_grow_result {
   gh_grow_stop stop;
@@ -147,16 +147,16 @@ typedef struct gh_grow_result {
  * clock stops it. type NULL: all
  * 1. Progress in events and volume fraction. Errors, GH_INPUT: n < 1, values out of range, a wanted volume
  * fraction above gh_grow_limit, a cell lower than two of the largest grains. */
-gh_status gh_packing_grow2(gh_context *ctx, int n, const double *diameter, const int *type,
-                           const gh_grow_options *options, gh_grains **grains, gh_grow_result *result);
-gh_status gh_packing_grow3(gh_context *ctx, int n, const double *diameter, const int *type,
-                           const gh_grow_options *options, gh_grains **grains, gh_grow_result *result);
+GH_API gh_status gh_packing_grow2(gh_context *ctx, int n, const double *diameter, const int *type,
+                                  const gh_grow_options *options, gh_grains **grains, gh_grow_result *result);
+GH_API gh_status gh_packing_grow3(gh_context *ctx, int n, const double *diameter, const int *type,
+                                  const gh_grow_options *options, gh_grains **grains, gh_grow_result *result);
 /* By dim. */
-gh_status gh_packing_grow(gh_context *ctx, int dim, int n, const double *diameter, const int *type,
-                          const gh_grow_options *options, gh_grains **grains, gh_grow_result *result);
+GH_API gh_status gh_packing_grow(gh_context *ctx, int dim, int n, const double *diameter, const int *type,
+                                 const gh_grow_options *options, gh_grains **grains, gh_grow_result *result);
 /* No packing of these diameters is denser. Equal grains: pi/sqrt(12), pi/sqrt(18). Disks: Florian's bound for
  * the ratio of the extremes; otherwise k sizes fill each other's voids, 1 - (1 - equal)^k. */
-double gh_grow_limit(int dim, int n, const double *diameter);
+GH_API double gh_grow_limit(int dim, int n, const double *diameter);
 
 #ifdef __cplusplus
 }

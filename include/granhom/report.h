@@ -15,28 +15,29 @@ extern "C" {
 /* GH_INPUT with the file and the reason: no results, a file that is cut off, damaged or of another program,
  * files that do not belong together (fewer increments than run.json has counted). A run that is under way is
  * whole up to its last complete increment. */
-gh_status gh_results_check(gh_context *ctx, const char *folder);
+GH_API gh_status gh_results_check(gh_context *ctx, const char *folder);
 /* Pictures. png NULL: all that a picture needs is read and laid out, and nothing is written, so that what
  * cannot be drawn is refused before the first picture is. */
 
 /* Deformed mesh at the last increment over the outline of the undeformed one, coloured by the von Mises
  * stress. */
-gh_status gh_picture_mesh(gh_context *ctx, const char *folder, const char *png);
+GH_API gh_status gh_picture_mesh(gh_context *ctx, const char *folder, const char *png);
 /* Grains of one material point, the cell's frame and the network of forces. point -1: the one with the
  * largest von Mises stress among those recorded. */
-gh_status gh_picture_rve(gh_context *ctx, const char *folder, int point, const char *png);
+GH_API gh_status gh_picture_rve(gh_context *ctx, const char *folder, int point, const char *png);
 /* Force and dilatancy over the driven displacement (or over the load steps when nothing is driven). Needs
  * gnuplot. */
-gh_status gh_picture_curves(gh_context *ctx, const char *folder, const char *png);
+GH_API gh_status gh_picture_curves(gh_context *ctx, const char *folder, const char *png);
 /* Residuals over the iterations of the last increments. Needs gnuplot. */
-gh_status gh_picture_convergence(gh_context *ctx, const char *folder, const char *png);
+GH_API gh_status gh_picture_convergence(gh_context *ctx, const char *folder, const char *png);
 /* A drawing of the caller's own: commands of gnuplot, after a preamble that sets the terminal and the looks
  * of the others. Needs gnuplot. Texts that are not the program's own (titles, names, units) are printed into
  * the commands by gh_picture_string; commands with '!', '`', '@' or `system` in them are refused. */
-gh_status gh_picture_script(gh_context *ctx, const char *commands, int width, int height, const char *png);
+GH_API gh_status gh_picture_script(gh_context *ctx, const char *commands, int width, int height,
+                                   const char *png);
 /* Any text as a string of gnuplot: escaped byte by byte, so that nothing in it is a command. Control
  * characters become '?'. Use it with `noenhanced`. */
-void gh_picture_string(gh_text *out, const char *text);
+GH_API void gh_picture_string(gh_text *out, const char *text);
 
 /* ---- a report ---- */
 
@@ -44,16 +45,16 @@ void gh_picture_string(gh_text *out, const char *text);
  * npoints integration points (at most 12; npoints 0: the largest von Mises stress, the smallest acoustic
  * eigenvalue and the first, of the points whose grains are recorded), residuals, times. GH_INPUT: no results,
  * damaged files, a point that does not exist; nothing is written then. */
-gh_status gh_report_write(gh_context *ctx, const char *folder, const int *points, int npoints,
-                          const char *html);
+GH_API gh_status gh_report_write(gh_context *ctx, const char *folder, const int *points, int npoints,
+                                 const char *html);
 
 /* ---- pictures of packings ---- */
 
 /* Primary, boundary and replica grains of a packing in three tones (Figures 3.3 and 3.12), the cell as a
  * frame. The name's ending chooses: .svg or .png; GH_INPUT: another one. */
-gh_status gh_picture_packing(gh_context *ctx, const gh_packing *packing, const char *path);
+GH_API gh_status gh_picture_packing(gh_context *ctx, const gh_packing *packing, const char *path);
 /* The same for what growth makes. Spheres are seen from the front, right and above, without replicas. */
-gh_status gh_picture_grains(gh_context *ctx, const gh_grains *grains, const char *path);
+GH_API gh_status gh_picture_grains(gh_context *ctx, const gh_grains *grains, const char *path);
 
 #ifdef __cplusplus
 }

@@ -28,12 +28,12 @@ extern "C" {
 /* Names of sets in columns of history.csv ("left" in left_x) and among the sets of results.h5. A comma, a
  * blank, a quote becomes '_', in results.h5 a slash too. Returns text. */
 enum { GH_COLUMN = 128 };
-const char *gh_column_name(const char *set, char text[GH_COLUMN]);
-const char *gh_dataset_name(const char *set, char text[GH_COLUMN]);
+GH_API const char *gh_column_name(const char *set, char text[GH_COLUMN]);
+GH_API const char *gh_dataset_name(const char *set, char text[GH_COLUMN]);
 /* Kind and version of an HDF5 file of a folder of results, for gh_h5_open; "unknown" for other names. */
-const char *gh_results_kind(const char *file);
+GH_API const char *gh_results_kind(const char *file);
 /* Columns and datasets of the files that are the same for each solver, and what they mean. */
-const gh_term_list *gh_results_columns(void);
+GH_API const gh_term_list *gh_results_columns(void);
 
 /* ---- what a solver hands over ---- */
 
@@ -131,49 +131,50 @@ typedef struct gh_results gh_results;
 /* GH_INPUT, GH_SYSTEM: the folder cannot be written to, or holds folders of the files' names. Touches
  * nothing.
  */
-gh_status gh_results_folder_check(gh_context *ctx, const char *folder);
+GH_API gh_status gh_results_folder_check(gh_context *ctx, const char *folder);
 /* The tables of `solver` must outlive the results. Nothing is written before the first increment. */
-gh_status gh_results_create(gh_context *ctx, const gh_solver_results *solver, const char *folder,
-                            gh_results **results);
-void gh_results_destroy(gh_results **results);
-void gh_results_residual(gh_results *r, const gh_residual_row *row);
+GH_API gh_status gh_results_create(gh_context *ctx, const gh_solver_results *solver, const char *folder,
+                                   gh_results **results);
+GH_API void gh_results_destroy(gh_results **results);
+GH_API void gh_results_residual(gh_results *r, const gh_residual_row *row);
 /* Writes all files but checkpoint.h5. GH_DIVERGED: a number of the row is not finite. */
-gh_status gh_results_write(gh_results *r, const gh_frame *frame);
+GH_API gh_status gh_results_write(gh_results *r, const gh_frame *frame);
 /* Ends the record in run.json. wrong_input: nothing is written when nothing was before. */
-gh_status gh_results_close(gh_results *r, const char *status, const char *message, bool wrong_input);
+GH_API gh_status gh_results_close(gh_results *r, const char *status, const char *message, bool wrong_input);
 
 /* ---- checkpoints ---- */
 
 /* Puts everything into a new file in memory, *file, which gh_h5_commit brings to disk. */
-gh_status gh_checkpoint_make(const gh_results *r, gh_h5 **file);
+GH_API gh_status gh_checkpoint_make(const gh_results *r, gh_h5 **file);
 /* *there: the folder holds a checkpoint. */
-gh_status gh_checkpoint_find(const gh_results *r, bool *there);
+GH_API gh_status gh_checkpoint_find(const gh_results *r, bool *there);
 /* Loads and resumes the solver, and cuts the results to the increments that the checkpoint knows; GH_INPUT
  * when it is damaged or belongs to something else. */
-gh_status gh_checkpoint_read(gh_results *r);
+GH_API gh_status gh_checkpoint_read(gh_results *r);
 
 /* Datasets that count into the checkpoint's checksum. Sizes are those of the file when it is read; the caller
  * frees. GH_INPUT: it is not there, of another shape or larger than the file. */
-gh_context *gh_archive_context(const gh_archive *a);
-gh_status gh_archive_put_doubles(gh_archive *a, const char *name, size_t n, const double *data);
-gh_status gh_archive_put_ints(gh_archive *a, const char *name, size_t n, const int *data);
-gh_status gh_archive_put_bytes(gh_archive *a, const char *name, size_t size, const void *data);
-gh_status gh_archive_get_doubles(gh_archive *a, const char *name, size_t *n, double **data);
-gh_status gh_archive_get_ints(gh_archive *a, const char *name, size_t *n, int **data);
-gh_status gh_archive_get_bytes(gh_archive *a, const char *name, size_t *size, char **data); /* and a 0 */
+GH_API gh_context *gh_archive_context(const gh_archive *a);
+GH_API gh_status gh_archive_put_doubles(gh_archive *a, const char *name, size_t n, const double *data);
+GH_API gh_status gh_archive_put_ints(gh_archive *a, const char *name, size_t n, const int *data);
+GH_API gh_status gh_archive_put_bytes(gh_archive *a, const char *name, size_t size, const void *data);
+GH_API gh_status gh_archive_get_doubles(gh_archive *a, const char *name, size_t *n, double **data);
+GH_API gh_status gh_archive_get_ints(gh_archive *a, const char *name, size_t *n, int **data);
+GH_API gh_status gh_archive_get_bytes(gh_archive *a, const char *name, size_t *size,
+                                      char **data); /* and a 0 */
 
 /* FNV-1a over words of eight bytes, for marks: changes with every single bit. Begin with gh_sum_begin. */
 extern const uint64_t gh_sum_begin;
-uint64_t gh_sum_bytes(uint64_t sum, const void *data, size_t size);
+GH_API uint64_t gh_sum_bytes(uint64_t sum, const void *data, size_t size);
 enum { GH_SUM_TEXT = 17 };
-void gh_sum_text(uint64_t sum, char text[GH_SUM_TEXT]);
+GH_API void gh_sum_text(uint64_t sum, char text[GH_SUM_TEXT]);
 
 /* ---- dumps ---- */
 
 /* A frame of a LAMMPS dump: the grains of one material point, id type x y z ix iy iz radius grain rattler
  * held replica and with friction theta. Periodic: in the box of the cell, rotated so that its first lattice
  * vector lies along x, with image flags; else in a bounding box as it is. */
-void gh_dump_grains(gh_text *out, long step, const gh_rve_view *view);
+GH_API void gh_dump_grains(gh_text *out, long step, const gh_rve_view *view);
 
 #ifdef __cplusplus
 }

@@ -17,44 +17,44 @@ extern "C" {
 typedef struct gh_scene gh_scene;
 
 /* The keys of a scene file, map by map; the columns and datasets of the files that a run writes. */
-const gh_term_list *gh_scene_keys(void);
-const gh_term_list *gh_scene_columns(void);
+GH_API const gh_term_list *gh_scene_keys(void);
+GH_API const gh_term_list *gh_scene_columns(void);
 
 /* Reads a scene with its packing and its mesh, and checks all that can be known before the first equilibrium.
  * All errors are GH_INPUT and begin with file:line. Nothing is written. */
-gh_status gh_scene_read(gh_context *ctx, const char *path, gh_scene **scene);
+GH_API gh_status gh_scene_read(gh_context *ctx, const char *path, gh_scene **scene);
 /* A key of the scene with another value than in the file, both as gh_yaml_set takes them. */
 typedef struct gh_override {
   const char *key, *value;
 } gh_override;
 /* The same with n keys set, one after the other, before anything else is read. They are recorded in run.json.
  * Messages about their values have the line of what they replace. */
-gh_status gh_scene_read_with(gh_context *ctx, const char *path, int n, const gh_override *overrides,
-                             gh_scene **scene);
-void gh_scene_destroy(gh_scene **scene);
+GH_API gh_status gh_scene_read_with(gh_context *ctx, const char *path, int n, const gh_override *overrides,
+                                    gh_scene **scene);
+GH_API void gh_scene_destroy(gh_scene **scene);
 /* Overrides `micro: {engine: ...}`. */
-void gh_scene_set_engine(gh_scene *scene, gh_engine_kind engine);
+GH_API void gh_scene_set_engine(gh_scene *scene, gh_engine_kind engine);
 /* false: each integration point is computed, also where others have the same packing and history. */
-void gh_scene_set_sharing(gh_scene *scene, bool share);
+GH_API void gh_scene_set_sharing(gh_scene *scene, bool share);
 /* true: a second body goes in whole increments, the run in halves of them, and it estimates its error. */
-void gh_scene_set_estimate(gh_scene *scene, bool estimate);
+GH_API void gh_scene_set_estimate(gh_scene *scene, bool estimate);
 /* For gh_scene_explain: the ranks it would run on (0: this build has no MPI), and whether RVEs stay where
  * they began. */
-void gh_scene_set_ranks(gh_scene *scene, int ranks, bool no_balance);
+GH_API void gh_scene_set_ranks(gh_scene *scene, int ranks, bool no_balance);
 /* Says in words what the scene switches on and what it leaves out. */
-void gh_scene_explain(const gh_scene *scene, gh_text *out);
+GH_API void gh_scene_explain(const gh_scene *scene, gh_text *out);
 
 /* ---- load steps: the plan of what acts when ---- */
 
 /* Step 0 is the start. Steps are counted 1 ... gh_scene_steps() as in the file. */
-int gh_scene_steps(const gh_scene *scene);
-int gh_scene_increments(const gh_scene *scene, int step); /* 1 for step 0 */
-const char *gh_scene_step_name(const gh_scene *scene, int step);
-const gh_mesh *gh_scene_mesh(const gh_scene *scene);
+GH_API int gh_scene_steps(const gh_scene *scene);
+GH_API int gh_scene_increments(const gh_scene *scene, int step); /* 1 for step 0 */
+GH_API const char *gh_scene_step_name(const gh_scene *scene, int step);
+GH_API const gh_mesh *gh_scene_mesh(const gh_scene *scene);
 /* The loads at the end of `increment` (from 1) of `step`. Steps and increments are asked for in their order,
  * and u (nnodes x 2) holds the displacements at the end of the step before whenever increment is 1 (NULL:
  * zero): ramps without `from` and supports hold on to them. */
-gh_status gh_scene_loads(gh_scene *scene, int step, int increment, const double *u, gh_loads *loads);
+GH_API gh_status gh_scene_loads(gh_scene *scene, int step, int increment, const double *u, gh_loads *loads);
 
 /* What a plan gives for one set (index into the mesh) after the last gh_scene_loads. */
 typedef struct gh_scene_load {
@@ -64,8 +64,8 @@ typedef struct gh_scene_load {
   bool held[2];           /* all nodes of the set are prescribed in x, y */
   double displacement[2]; /* mean of the prescribed values over the set; NAN where it is not held */
 } gh_scene_load;
-void gh_scene_load_on(const gh_scene *scene, int set, gh_scene_load *load);
-void gh_scene_gravity(const gh_scene *scene, double b[2]);
+GH_API void gh_scene_load_on(const gh_scene *scene, int set, gh_scene_load *load);
+GH_API void gh_scene_gravity(const gh_scene *scene, double b[2]);
 
 /* ---- a run ---- */
 
@@ -102,8 +102,8 @@ typedef struct gh_run_estimate {
   double seconds;           /* of the halves: what the estimate costs on top */
 } gh_run_estimate;
 /* error and now over scale. */
-double gh_estimated_error(const gh_run_estimate *estimate, int quantity);
-double gh_estimated_now(const gh_run_estimate *estimate, int quantity);
+GH_API double gh_estimated_error(const gh_run_estimate *estimate, int quantity);
+GH_API double gh_estimated_now(const gh_run_estimate *estimate, int quantity);
 
 typedef struct gh_run_summary {
   int steps, increments;                 /* done, without the start */
@@ -129,10 +129,10 @@ typedef struct gh_run_summary {
  * increment; a run that ends early writes one of the last complete increment. A run that goes on from it
  * writes the same files as one that was never interrupted, seconds apart. GH_INPUT: a checkpoint that is
  * damaged or of another scene, packing, mesh or version. */
-gh_status gh_scene_run(gh_scene *scene, const char *folder, const gh_run_options *options,
-                       gh_run_summary *summary);
+GH_API gh_status gh_scene_run(gh_scene *scene, const char *folder, const gh_run_options *options,
+                              gh_run_summary *summary);
 /* The summary in words, a few lines. */
-void gh_summary_print(const gh_run_summary *summary, const char *folder, gh_text *out);
+GH_API void gh_summary_print(const gh_run_summary *summary, const char *folder, gh_text *out);
 
 #ifdef __cplusplus
 }
