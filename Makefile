@@ -219,10 +219,11 @@ verification:
 	@scripts/install-packages.sh check
 	@$(MAKE) --no-print-directory -j$$(nproc) all $(BUILD)/tests/verify/test_rve_cases
 	@scripts/block-study.sh $(BUILD)
-# Calls that fail (docs/explanation/architecture.md, "Failing calls"); a sample of it is in make check.
-.PHONY: faults
+# Against an earlier commit; an hour.
 bitwise: all
 	@BUILD=$(BUILD) tests/bitwise.sh
+# Calls that fail (docs/explanation/architecture.md, "Failing calls"); a sample of it is in make check.
+.PHONY: faults
 faults:
 	@scripts/install-packages.sh check
 	@$(MAKE) --no-print-directory -j$$(nproc) all

@@ -163,7 +163,7 @@ static const char *friction_option(const contact_options *c) {
 }
 
 static gh_status law_set(gh_context *ctx, const contact_options *c, gh_contact_law *law) {
-  static const double degree = 3.14159265358979323846 / 180;
+  static const double degree = GH_PI / 180;
   const char *option = friction_option(c);
   *law = (gh_contact_law){.normal_stiffness = isnan(c->normal) ? 1 : c->normal};
   if (!isnan(c->angle) && !isnan(c->coefficient))

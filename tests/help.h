@@ -13,7 +13,7 @@
 
 #include "granhom/micro.h"
 
-static const double help_pi = 3.14159265358979323846;
+static const double help_pi = GH_PI;
 static const char *const engine_names[] = {[GH_ENGINE_LAMMPS] = "lammps", [GH_ENGINE_NATIVE] = "native"};
 static const gh_boundary all_boundaries[] = {GH_TAYLOR, GH_TAYLOR_CELL, GH_RESTRICTED, GH_PERIODIC};
 

@@ -76,6 +76,7 @@ GH_API const char *gh_message(const gh_context *ctx);
 GH_API void gh_set_log(gh_context *ctx, gh_log_sink *sink, void *data);
 GH_API void gh_set_progress(gh_context *ctx, gh_progress_sink *sink, void *data);
 
+#define GH_PI 3.14159265358979323846
 /* The end of a plural: printf("%d step%s", n, GH_S(n)). */
 #define GH_S(n) ((n) == 1 ? "" : "s")
 #define GH_PRINTF(f, a) __attribute__((format(printf, f, a)))

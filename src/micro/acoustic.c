@@ -1,8 +1,6 @@
 /* Smallest eigenvalue of the acoustic tensor (method 7). SPDX-License-Identifier: GPL-2.0-or-later */
 #include "granhom/micro.h"
 
-static const double pi = 3.14159265358979323846;
-
 /* Smaller eigenvalue of the symmetric part of Q_ik = A_iJkL N_J N_L for N = (cos a, sin a). */
 static double acoustic_eigenvalue(const double A[16], double a) {
   double N[2] = {cos(a), sin(a)}, Q[4] = {0};
@@ -17,16 +15,16 @@ double gh_acoustic(const double A[16], double *angle) {
   int best = 0;
   double value[SCAN];
   for (int k = 0; k < SCAN; k++) {
-    value[k] = acoustic_eigenvalue(A, pi * k / SCAN);
+    value[k] = acoustic_eigenvalue(A, GH_PI * k / SCAN);
     if (value[k] < value[best]) best = k;
   }
-  double low = pi * (best - 1) / SCAN, high = pi * (best + 1) / SCAN;
+  double low = GH_PI * (best - 1) / SCAN, high = GH_PI * (best + 1) / SCAN;
   while (high - low > 1e-8) { /* golden section between the neighbours of the smallest */
     double a = high - golden * (high - low), b = low + golden * (high - low);
     if (acoustic_eigenvalue(A, a) < acoustic_eigenvalue(A, b)) high = b;
     else low = a;
   }
   *angle = (low + high) / 2;
-  if (*angle < 0) *angle += pi;
+  if (*angle < 0) *angle += GH_PI;
   return fmin(acoustic_eigenvalue(A, (low + high) / 2), value[best]);
 }

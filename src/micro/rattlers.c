@@ -8,8 +8,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const double pi = 3.14159265358979323846;
-
 gh_status gh_rattlers_create(gh_context *ctx, int members, gh_rattlers **rattlers) {
   gh_rattlers *r;
   *rattlers = NULL;
@@ -72,9 +70,9 @@ static bool grain_is_rattler(const gh_rattlers *r, int i, const gh_contact *cont
   double *angle = r->angle, force;
   int count = contacts_find_angles(r, i, contacts, angle, &force);
   if (count < 2) return true;
-  double gap = angle[0] + 2 * pi - angle[count - 1];
+  double gap = angle[0] + 2 * GH_PI - angle[count - 1];
   for (int q = 1; q < count; q++) gap = gh_max(gap, angle[q] - angle[q - 1]);
-  return gap > pi + 1e-9 || (gap >= pi - 1e-9 && force <= 1e-6 * mean_force);
+  return gap > GH_PI + 1e-9 || (gap >= GH_PI - 1e-9 && force <= 1e-6 * mean_force);
 }
 
 gh_status gh_rattlers_find(gh_context *ctx, gh_rattlers *r, int n, const unsigned char *held,

@@ -4,11 +4,9 @@
 
 #include <string.h>
 
-static const double pi = 3.14159265358979323846;
-
 static double grains_find_area(const gh_rve *r) {
   double area = 0;
-  for (int i = 0; i < r->packing->n; i++) area += pi * r->packing->radius[i] * r->packing->radius[i];
+  for (int i = 0; i < r->packing->n; i++) area += GH_PI * r->packing->radius[i] * r->packing->radius[i];
   return area;
 }
 

@@ -6,8 +6,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const double PI = 3.14159265358979323846;
-
 void gh_grains_destroy(gh_grains **grains) {
   if (!grains || !*grains) return;
   free((*grains)->radius);
@@ -22,7 +20,7 @@ double gh_grains_volume_fraction(const gh_grains *p) {
   for (int k = 0; k < p->dim; k++) volume *= p->cell[k * (p->dim + 1)];
   for (int i = 0; i < p->n; i++) {
     double r = p->radius[i];
-    sum += p->dim == 2 ? PI * r * r : 4 * PI / 3 * r * r * r;
+    sum += p->dim == 2 ? GH_PI * r * r : 4 * GH_PI / 3 * r * r * r;
   }
   return sum / volume;
 }
@@ -120,10 +118,10 @@ static int sizes(int n, const double *diameter) {
 }
 
 double gh_grow_limit(int dim, int n, const double *diameter) {
-  double equal = dim == 2 ? PI / sqrt(12) : PI / sqrt(18), low = INFINITY, high = 0;
+  double equal = dim == 2 ? GH_PI / sqrt(12) : GH_PI / sqrt(18), low = INFINITY, high = 0;
   for (int i = 0; i < n; i++) low = fmin(low, diameter[i]), high = fmax(high, diameter[i]);
   double voids = 1 - pow(1 - equal, sizes(n, diameter)), q = low / high;
   if (dim == 3) return voids;
-  double florian = (PI * q * q + 2 * (1 - q * q) * asin(q / (1 + q))) / (2 * q * sqrt(1 + 2 * q));
+  double florian = (GH_PI * q * q + 2 * (1 - q * q) * asin(q / (1 + q))) / (2 * q * sqrt(1 + 2 * q));
   return fmin(voids, florian);
 }

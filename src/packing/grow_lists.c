@@ -135,12 +135,11 @@ gh_status growth_create2(gh_context *ctx, int n, const double *diameter, growth 
     growth_destroy2(&g);
     return status;
   }
-  const double pi = 3.14159265358979323846;
   double volume = 0, largest = 0;
   for (int i = 0; i < n; i++) largest = fmax(largest, diameter[i]);
   for (int i = 0; i < n; i++) {
     double a = g->grain[i].a = diameter[i] / largest;
-    volume += DIM == 2 ? pi * a * a : 4 * pi / 3 * a * a * a;
+    volume += DIM == 2 ? GH_PI * a * a : 4 * GH_PI / 3 * a * a * a;
     g->id[i] = i;
     g->in_cell[i] = -1;
     g->list[i].shell = pow(n, -1.0 / DIM) / 2;

@@ -39,7 +39,7 @@ gh_status finish_report_fill(gh_rve *rve, double mean_radius, gh_finish_report *
 }
 
 void gh_finish_print(const gh_finish_report *r, gh_text *out) {
-  const double degrees = 180 / 3.14159265358979323846;
+  const double degrees = 180 / GH_PI;
   gh_text_print(out, "mean overlap           %.6g of the mean radius\n", r->overlap);
   gh_text_print(out, "pressure               %.6g\n", r->pressure);
   gh_text_print(out, "Cauchy stress          s11 %.6g  s22 %.6g  s12 %.6g\n", r->cauchy[0], r->cauchy[3],

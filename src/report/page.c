@@ -7,8 +7,6 @@
 #include <string.h>
 
 static const char *const FONT = "sans-serif";
-static const double PI = 3.14159265358979323846;
-
 /* ---- colours ---- */
 
 /* Dark blue over green to yellow, of evenly rising lightness; t in [0, 1]. Nine knots in the manner of
@@ -113,7 +111,7 @@ void report_page_fit_cell(report_page *p, const double cell[4], const double low
 void report_page_disk(report_page *p, const double x[2], double radius, const double fill[3],
                       const double outline[3], double line) {
   cairo_new_sub_path(p->c);
-  cairo_arc(p->c, report_px(p, x[0]), report_py(p, x[1]), p->scale * radius, 0, 2 * PI);
+  cairo_arc(p->c, report_px(p, x[0]), report_py(p, x[1]), p->scale * radius, 0, 2 * GH_PI);
   cairo_set_source_rgb(p->c, fill[0], fill[1], fill[2]);
   cairo_fill_preserve(p->c);
   cairo_set_source_rgb(p->c, outline[0], outline[1], outline[2]);

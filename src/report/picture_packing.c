@@ -20,12 +20,11 @@ static void draw_members(report_page *p, const gh_packing *packing, const gh_clu
 }
 
 static void draw_caption(report_page *p, const gh_packing *packing, const gh_cluster *c) {
-  const double pi = 3.14159265358979323846;
   char text[160];
   double area = 0;
   int boundary = 0;
   for (int i = 0; i < packing->n; i++) {
-    area += pi * packing->radius[i] * packing->radius[i];
+    area += GH_PI * packing->radius[i] * packing->radius[i];
     boundary += c->boundary[i];
   }
   snprintf(text, sizeof text,

@@ -7,8 +7,6 @@
 
 #include <stdlib.h>
 
-static const double PI = 3.14159265358979323846;
-
 enum { WIDTH = 900, HEIGHT = 950 };
 
 /* To the right, upwards and towards the eye, which is in front (-y), to the right and above: orthonormal. */
@@ -102,7 +100,7 @@ static void draw_sphere(report_page *p, const sphere *s) {
   cairo_pattern_add_color_stop_rgb(light, 0.6, tone[0], tone[1], tone[2]);
   cairo_pattern_add_color_stop_rgb(light, 1, 0.45 * tone[0], 0.45 * tone[1], 0.45 * tone[2]);
   cairo_new_path(p->c);
-  cairo_arc(p->c, x, y, r, 0, 2 * PI);
+  cairo_arc(p->c, x, y, r, 0, 2 * GH_PI);
   cairo_set_source(p->c, light);
   cairo_fill(p->c);
   cairo_pattern_destroy(light);

@@ -3,8 +3,6 @@
 
 #include <string.h>
 
-static const double PI = 3.14159265358979323846;
-
 /* The page of a chart, in units that are pixels on a screen of common width. */
 enum { WIDTH = 420, HEIGHT = 290, LEFT = 60, RIGHT = 12, TOP = 30, BOTTOM = 48, MOST_MARKERS = 400 };
 
@@ -233,7 +231,7 @@ enum { POLAR = 300, RADIUS = 122 };
 static void print_polar(gh_text *out, int m, const double *f, double scale, int colour, const char *dash) {
   gh_text_print(out, "<path class=\"ln s%d\"%s d=\"", colour, dash);
   for (int k = 0; k < m; k++) {
-    double angle = 2 * PI * k / m, r = scale * f[k];
+    double angle = 2 * GH_PI * k / m, r = scale * f[k];
     gh_text_print(out, "%s%.1f %.1f", k ? "L" : "M", POLAR / 2.0 + r * cos(angle),
                   POLAR / 2.0 - r * sin(angle));
   }
@@ -250,7 +248,7 @@ void report_draw_polar(gh_text *out, int m, const double *contacts, const double
                 POLAR, POLAR);
   for (int k = 0; k < 12; k++)
     gh_text_print(out, "<path class=\"gr\" d=\"M%d %dL%.1f %.1f\"/>", POLAR / 2, POLAR / 2,
-                  POLAR / 2 + RADIUS * cos(PI * k / 6), POLAR / 2 - RADIUS * sin(PI * k / 6));
+                  POLAR / 2 + RADIUS * cos(GH_PI * k / 6), POLAR / 2 - RADIUS * sin(GH_PI * k / 6));
   for (double v = ring; v <= most * 1.0001; v += ring)
     gh_text_print(out, "<circle class=\"gr\" cx=\"%d\" cy=\"%d\" r=\"%.1f\"/>", POLAR / 2, POLAR / 2,
                   v * scale);
@@ -259,7 +257,7 @@ void report_draw_polar(gh_text *out, int m, const double *contacts, const double
   print_polar(out, m, forces, scale, 2, " stroke-dasharray=\"6 3\"");
   for (double v = ring; v <= most * 1.0001; v += ring)
     gh_text_print(out, "<text class=\"s ring\" x=\"%.1f\" y=\"%.1f\">%.3g</text>",
-                  POLAR / 2 + v * scale * cos(PI / 12) + 2, POLAR / 2 - v * scale * sin(PI / 12), v);
+                  POLAR / 2 + v * scale * cos(GH_PI / 12) + 2, POLAR / 2 - v * scale * sin(GH_PI / 12), v);
   gh_text_print(
       out,
       "<text class=\"s\" x=\"%d\" y=\"%d\">x</text><text class=\"s m\" x=\"%d\" y=\"14\">y</text>"

@@ -5,8 +5,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const double PI = 3.14159265358979323846;
-
 enum { PAGE = 1000, WIDEST = 26, LEVELS = 16, ANGLES = 180, LONGEST_TRACE = 60 };
 enum { RATTLER = 1, REPLICA = 4 };
 
@@ -192,8 +190,8 @@ static gh_status draw_densities(report *r, const report_rve *d) {
     weight[k] = fmax(0, d->radius[d->pairs[2 * k]] + d->radius[d->pairs[2 * k + 1]] -
                             hypot(memory[2 * k], memory[2 * k + 1]));
   }
-  report_density((int)d->ncontacts, memory, NULL, 25 * PI / 180, ANGLES, contacts);
-  report_density((int)d->ncontacts, memory, weight, 25 * PI / 180, ANGLES, forces);
+  report_density((int)d->ncontacts, memory, NULL, 25 * GH_PI / 180, ANGLES, contacts);
+  report_density((int)d->ncontacts, memory, weight, 25 * GH_PI / 180, ANGLES, forces);
   report_draw_polar(r->out, ANGLES, contacts, forces);
   free(memory);
   return GH_OK;

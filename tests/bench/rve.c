@@ -66,7 +66,7 @@ static gh_packing *make_packing(gh_context *ctx, int n) {
     int k = 0;
     while (k < 5 && u > sum + share[k]) sum += share[k++];
     raw.id[i] = i + 1, raw.type[i] = k + 1, raw.radius[i] = diameter[k] / 2;
-    area += 3.14159265358979 * raw.radius[i] * raw.radius[i];
+    area += GH_PI * raw.radius[i] * raw.radius[i];
     raw.x[2 * i] = uniform(&seed), raw.x[2 * i + 1] = uniform(&seed);
   }
   must(ctx, gh_packing_copy(ctx, &raw, &copy));
