@@ -171,7 +171,7 @@ static gh_status jobs_collect(farm_books *b, const double *F) {
   for (size_t k = 0; k < b->table_size; k++) b->table[k] = -1;
   GH_TRY(gh_grow(b->ctx, (size_t)b->n, sizeof *b->jobs, &b->job_capacity, &b->jobs));
   for (int k = 0; k < b->n; k++) {
-    size_t place;
+    size_t place = 0;
     const long content = content_of_point(b, b->state[k]), near = content_of_point(b, b->near[k]);
     int found = b->share ? job_find(b, content, near, F + 4 * k, &place) : -1;
     if (found < 0) {

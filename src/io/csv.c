@@ -98,17 +98,17 @@ static gh_status read_header(gh_table *t, gh_csv *csv, char **row) {
     line = next_line(t);
   }
   if (!line) return gh_fail(t->ctx, GH_INPUT, "%s: no header line: only blank lines and comments", t->r.path);
-  char *names = line;
+  char *names = line, *copy = NULL;
   if (!t->separator) GH_TRY(gh_table_separator(t, line));
   if (t->comment && only_numbers(t, line)) {
     if (gh_table_count(t, t->comment) == gh_table_count(t, line)) {
-      names = strdup(t->comment);
-      if (!names) return gh_fail(t->ctx, GH_MEMORY, "%s: no memory for the header", t->r.path);
+      names = copy = strdup(t->comment);
+      if (!copy) return gh_fail(t->ctx, GH_MEMORY, "%s: no memory for the header", t->r.path);
       *row = line;
     }
   }
   gh_status s = read_names(t, names, csv);
-  if (names != line) free(names);
+  free(copy);
   return s;
 }
 

@@ -280,8 +280,7 @@ static gh_status fail_key(gh_yaml_node place, const char *key, const char *const
     used = used + (size_t)n < sizeof list ? used + (size_t)n : sizeof list - 1;
   }
   gh_quote(key, quoted);
-  if (nearest)
-    return gh_yaml_fail(place, "unknown key '%s', is '%s' meant?", quoted, nearest);
+  if (nearest) return gh_yaml_fail(place, "unknown key '%s', is '%s' meant?", quoted, nearest);
   return gh_yaml_fail(place, "unknown key '%s'; known here: %s", quoted, list);
 }
 
@@ -385,7 +384,7 @@ gh_status gh_yaml_bool(gh_yaml_node node, const char *what, bool *value) {
   char quoted[GH_QUOTE];
   GH_TRY(plain(node, what, "true or false", &text));
   for (int k = 0; k < 6; k++) {
-    if (strcasecmp(text, words[k]) != 0) continue;
+    if (!text || strcasecmp(text, words[k]) != 0) continue;
     *value = k >= 3;
     return GH_OK;
   }

@@ -25,7 +25,7 @@ gh_status gh_slips_advance(gh_context *ctx, const gh_slips *from, const gh_conta
       c++;
       o += order == 0;
     } else { /* it has opened: gamma and gamma_pl are lost */
-      if (hardening && old->alpha != 0)
+      if (hardening && old && old->alpha != 0)
         to->slips[to->count++] =
             (gh_slip){.i = old->i, .j = old->j, .image = {old->image[0], old->image[1]}, .alpha = old->alpha};
       o++;

@@ -52,7 +52,7 @@ static void neighbours_list(coupled *s, const gh_contact_list *list) {
         const gh_contact *q = half == 1 ? NULL : &list->contacts[c];
         bool again = q && c > 0 && q[-1].i == q->i && q[-1].j == q->j;
         if (q && (q->i == q->j || again)) continue;
-        int a = half == 0 ? q->j : half == 1 ? c : q->i, b = half == 0 ? q->i : half == 1 ? c : q->j;
+        int a = !q ? c : half == 0 ? q->j : q->i, b = !q ? c : half == 0 ? q->i : q->j;
         if (round == 0) first[a + 2]++;
         else s->neighbour[next[a]++] = b;
       }

@@ -31,7 +31,7 @@ double report_history(const report *r, int k, const char *column) {
 double report_run_number(const report *r, const char *const *keys) {
   const cJSON *at = r->run;
   for (; *keys && at; keys++) at = cJSON_GetObjectItemCaseSensitive(at, *keys);
-  return cJSON_IsNumber(at) ? at->valuedouble : NAN;
+  return at && cJSON_IsNumber(at) ? at->valuedouble : NAN;
 }
 
 const char *report_run_text(const report *r, const char *key) {

@@ -72,7 +72,7 @@ gh_status scene_read_packings(gh_scene *s, node root, const char *folder) {
   list = n;
   if (gh_yaml_is_map(n)) GH_TRY(read_ensemble(s, n, &list));
   gh_status status = read_files(s, list, folder, &numbers, &count);
-  if (status == GH_OK) status = place_packings(s, numbers, count);
+  if (status == GH_OK && numbers) status = place_packings(s, numbers, count);
   free(numbers);
   return status;
 }

@@ -270,7 +270,7 @@ static gh_status solve(run *r) {
 static gh_status check_start(run *r) {
   gh_scene *s = r->scene;
   if (s->start != SCENE_START_NONE || scene_has_load(s) || !scene_boundary_is_free(s)) return GH_OK;
-  double F[4] = {1, 0, 0, 1}, P[4], largest = 0;
+  double F[4] = {1, 0, 0, 1}, P[4] = {0}, largest = 0;
   for (int p = 0; p < s->npackings && largest < 1e-10 * s->micro.law.normal_stiffness; p++) {
     gh_rve *rve;
     GH_TRY(gh_rve_create(r->ctx, s->packings[p], &s->micro, &rve));

@@ -228,11 +228,9 @@ static gh_status read_goals(gh_study *s, node list) {
 
 /* Chooses and orders what there is by the names of an optional list. */
 static gh_status choose_quantities(gh_study *s, node list) {
-  int count;
   if (gh_yaml_has(list) && !gh_yaml_is_list(list))
     return gh_yaml_fail(list, "quantities must be a list: [%s, ...]", s->quantities[0].name);
-  if (gh_yaml_has(list) && (count = gh_yaml_length(list)) < 1)
-    return gh_yaml_fail(list, "quantities is an empty list");
+  if (gh_yaml_has(list) && gh_yaml_length(list) < 1) return gh_yaml_fail(list, "quantities is an empty list");
   for (int k = 0; k < gh_yaml_length(list); k++) {
     const char *name;
     int found = -1;

@@ -123,7 +123,7 @@ static int by_t(const void *a, const void *b) {
 /* Each t once, ascending. */
 static gh_status take_answers(gh_study *s, answers *a) {
   size_t capacity = 0;
-  qsort(a->row, a->n, sizeof *a->row, by_t);
+  if (a->n > 0) qsort(a->row, a->n, sizeof *a->row, by_t);
   for (size_t k = 0; k < a->n; k++)
     if (k == 0 || a->row[k][0] - a->row[k - 1][0] > 1e-9)
       GH_TRY(study_curve_add(s->ctx, &s->given, &capacity, s->ncolumns, a->row[k][0], a->row[k] + 1));

@@ -358,9 +358,9 @@ static gh_status plan(job *j) {
   if (status == GH_OK) status = gh_alloc(j->s->ctx, (size_t)j->total, sizeof *flags, &flags);
   status = study_team_worst(j->team, status);
   if (status == GH_OK) status = agree_on_runs(j);
-  if (status == GH_OK && study_team_rank(j->team) == 0) status = prepare(j, flags);
+  if (status == GH_OK && flags && study_team_rank(j->team) == 0) status = prepare(j, flags);
   status = study_team_worst(j->team, status);
-  if (status == GH_OK) {
+  if (status == GH_OK && flags) {
     study_team_share(j->team, flags, j->total);
     for (int k = 0; k < j->total; k++)
       if (flags[k]) j->todo[j->count++] = j->all[k];
