@@ -9,118 +9,23 @@
  * With friction, state n is kept as it was given. Each gh_engine_set turns it into the frame of that cell:
  * the same rotation, the same lattice vectors taken off the positions, and the same change of the basis, with
  * the lattice of n; keys of contacts change by the vectors taken off and by the basis. */
-#include "engine/lammps/contact_columns.h"
-#include "engine/lammps/guard.h"
-#include "engine/ops.h"
+#include "engine/lammps/bridge.h"
 
 #include <stdlib.h>
 #include <string.h>
 
-#define FIX "relax"
-#define COMPUTE "contacts"
-/* Skin over the mean radius: see docs/reports/performance.md for the measurement. */
-#define SKIN 0.2
-enum { GH_CONTACT_COLUMNS };
-enum { NO_IMAGE = (512 << 20) | (512 << 10) | 512 };
-enum { MOST_TYPES = 1000 };
-
-typedef struct bridge {
-  gh_context *ctx;
-  void *lmp;
-  int n;
-  bool periodic;
-  bool started; /* LAMMPS is set up */
-  bool valid;   /* LAMMPS's state belongs to `given` and what relaxation made of it */
-  bool relaxed; /* the free grains have moved from `given` */
-  double cell[4], q[4], t[4];
-  int lattice_shift; /* multiples of the first lattice vector taken off the second */
-  unsigned char *held;
-  double *given;      /* n x 2: positions as set or moved */
-  double *x;          /* n x 2: positions now */
-  double *force;      /* n x 2 */
-  double *radius;     /* n */
-  int *type;          /* n */
-  double *wrap;       /* n x 2: lattice vectors of t taken off before LAMMPS saw the grain */
-  int *order, *first; /* scratch: rows by grain */
-  double *shift;
-  gh_contact *contacts;
-  /* with friction only */
-  gh_contact_law law;
-  double cell_n[4];
-  double *x_n, *theta_n; /* n x 2, n: state n as given */
-  double *theta;         /* n: rotations as set or moved */
-  double *frame_n;       /* n x 2: x_n as LAMMPS is to know it */
-  double *moment;
-  gh_slip *slips, *keyed; /* nslips: as given, with LAMMPS's keys */
-  gh_friction *friction;
-  int *image; /* scratch: 2 per row */
-  int nslips;
-  size_t slip_capacity, keyed_capacity, friction_capacity, image_capacity;
-  size_t order_capacity, shift_capacity, contact_capacity;
-  gh_engine_cost cost;
-} bridge;
-
-/* ---- frames ---- */
-
-static void transpose_apply(const double q[4], const double x[2], double y[2]) {
-  double y0 = q[0] * x[0] + q[2] * x[1], y1 = q[1] * x[0] + q[3] * x[1];
-  y[0] = y0;
-  y[1] = y1;
-}
-
-/* cell = Q T before the reduction of the tilt. */
-static void split_cell(bridge *e) {
-  const double *h = e->cell;
-  double length = hypot(h[0], h[2]), c = h[0] / length, s = h[2] / length;
-  double tilt = c * h[1] + s * h[3];
-  e->lattice_shift = (int)nearbyint(tilt / length);
-  memcpy(e->q, (double[4]){c, -s, s, c}, sizeof e->q);
-  memcpy(e->t, (double[4]){length, tilt - e->lattice_shift * length, 0, gh_det2(h) / length}, sizeof e->t);
-}
-
-/* Lattice coordinates of y in t. */
-static void lattice_coordinates(const double t[4], const double y[2], double s[2]) {
-  s[1] = y[1] / t[3];
-  s[0] = (y[0] - t[1] * s[1]) / t[0];
-}
-
-/* ---- LAMMPS's arrays ---- */
-
-typedef struct atoms {
-  double **x, **f;
-  int *tag, *image;
-} atoms;
-
-static gh_status look(bridge *e, atoms *a) {
-  int nlocal;
-  GH_TRY(guard_setting(e->ctx, e->lmp, "nlocal", &nlocal));
-  if (nlocal != e->n)
-    return gh_fail(e->ctx, GH_ENGINE, "LAMMPS has lost grains: %d of %d are left", nlocal, e->n);
-  GH_TRY(guard_atom(e->ctx, e->lmp, "x", &a->x));
-  GH_TRY(guard_atom(e->ctx, e->lmp, "f", &a->f));
-  GH_TRY(guard_atom(e->ctx, e->lmp, "id", &a->tag));
-  return guard_atom(e->ctx, e->lmp, "image", &a->image);
-}
-
-/* Image flags of an atom in x and y. */
-static void decode(int image, double k[2]) {
-  k[0] = (image & 1023) - 512;
-  k[1] = ((image >> 10) & 1023) - 512;
-}
-
-/* Writes the given positions, wrapped anew from them alone. */
 static gh_status write_set(bridge *e) {
-  atoms a;
-  GH_TRY(look(e, &a));
+  bridge_arrays a;
+  GH_TRY(bridge_atoms(e, &a));
   if (e->periodic) GH_TRY(guard_set_cell(e->ctx, e->lmp, FIX, e->t));
   else GH_TRY(guard_rebuild(e->ctx, e->lmp, FIX));
   for (int k = 0; k < e->n; k++) {
     int i = a.tag[k] - 1;
     double y[2], s[2], *w = &e->wrap[2 * i];
-    transpose_apply(e->q, &e->given[2 * i], y);
+    bridge_transpose_apply(e->q, &e->given[2 * i], y);
     w[0] = w[1] = 0;
     if (e->periodic) {
-      lattice_coordinates(e->t, y, s);
+      bridge_lattice_coordinates(e->t, y, s);
       w[0] = floor(s[0]);
       w[1] = floor(s[1]);
     }
@@ -134,13 +39,13 @@ static gh_status write_set(bridge *e) {
 
 /* Writes the given positions in the images that the grains are in, so that the neighbour list may hold. */
 static gh_status write_move(bridge *e) {
-  atoms a;
-  GH_TRY(look(e, &a));
+  bridge_arrays a;
+  GH_TRY(bridge_atoms(e, &a));
   for (int k = 0; k < e->n; k++) {
     int i = a.tag[k] - 1;
     double y[2], w[2];
-    transpose_apply(e->q, &e->given[2 * i], y);
-    decode(a.image[k], w);
+    bridge_transpose_apply(e->q, &e->given[2 * i], y);
+    bridge_decode_image(a.image[k], w);
     w[0] += e->wrap[2 * i];
     w[1] += e->wrap[2 * i + 1];
     a.x[k][0] = y[0] - e->t[0] * w[0] - e->t[1] * w[1];
@@ -151,41 +56,19 @@ static gh_status write_move(bridge *e) {
 
 /* ---- state n ---- */
 
-/* Image between positions as given, in the basis of the cell, from LAMMPS's and back. */
-static void image_as_given(const bridge *e, int i, int j, const int k[2], int image[2]) {
-  image[1] = k[1] + (int)(e->wrap[2 * i + 1] - e->wrap[2 * j + 1]);
-  image[0] = k[0] + (int)(e->wrap[2 * i] - e->wrap[2 * j]) - e->lattice_shift * image[1];
-}
-
-static void image_of_lammps(const bridge *e, int i, int j, const int image[2], int k[2]) {
-  k[0] = image[0] + e->lattice_shift * image[1] + (int)(e->wrap[2 * j] - e->wrap[2 * i]);
-  k[1] = image[1] + (int)(e->wrap[2 * j + 1] - e->wrap[2 * i + 1]);
-}
-
-/* Lattice of n in the frame and the basis of the present cell. */
-static void lattice_n(const bridge *e, double H[4]) {
-  memcpy(H, (double[4]){1, 0, 0, 1}, 4 * sizeof *H);
-  if (!e->periodic) return;
-  double a[2] = {e->cell_n[0], e->cell_n[2]}, b[2] = {e->cell_n[1], e->cell_n[3]};
-  for (int k = 0; k < 2; k++) b[k] -= e->lattice_shift * a[k];
-  transpose_apply(e->q, a, a);
-  transpose_apply(e->q, b, b);
-  memcpy(H, (double[4]){a[0], b[0], a[1], b[1]}, 4 * sizeof *H);
-}
-
 /* State n belongs to the frame and the images of the last write_set. */
 static gh_status write_history(bridge *e) {
   double H[4];
-  lattice_n(e, H);
+  bridge_lattice_n(e, H);
   for (int i = 0; i < e->n; i++) {
     const double *w = &e->wrap[2 * i];
     double *y = &e->frame_n[2 * i];
-    transpose_apply(e->q, &e->x_n[2 * i], y);
+    bridge_transpose_apply(e->q, &e->x_n[2 * i], y);
     for (int k = 0; k < 2 && e->periodic; k++) y[k] -= H[2 * k] * w[0] + H[2 * k + 1] * w[1];
   }
   for (int c = 0; c < e->nslips; c++) {
     e->keyed[c] = e->slips[c];
-    image_of_lammps(e, e->slips[c].i, e->slips[c].j, e->slips[c].image, e->keyed[c].image);
+    bridge_image_of_lammps(e, e->slips[c].i, e->slips[c].j, e->slips[c].image, e->keyed[c].image);
   }
   return guard_history(e->ctx, e->lmp, H, e->frame_n, e->theta_n, e->keyed, e->nslips);
 }
@@ -211,31 +94,6 @@ static gh_status evaluate(bridge *e, gh_status (*write)(bridge *)) {
   }
   GH_TRY(guard_advance(e->ctx, e->lmp, FIX));
   e->valid = e->started = true;
-  return GH_OK;
-}
-
-static gh_status check_valid(const bridge *e) {
-  if (e->valid) return GH_OK;
-  return gh_fail(e->ctx, GH_ENGINE,
-                 "the LAMMPS engine has no positions: gh_engine_set was not called or failed");
-}
-
-/* Positions now, unwrapped, in the frame of space. Held grains are where they were put, to the last bit. */
-static gh_status read_positions(bridge *e) {
-  memcpy(e->x, e->given, 2 * (size_t)e->n * sizeof(double));
-  if (!e->relaxed) return GH_OK;
-  atoms a;
-  GH_TRY(look(e, &a));
-  for (int k = 0; k < e->n; k++) {
-    int i = a.tag[k] - 1;
-    if (e->held[i]) continue;
-    double w[2];
-    decode(a.image[k], w);
-    w[0] += e->wrap[2 * i];
-    w[1] += e->wrap[2 * i + 1];
-    double y[2] = {a.x[k][0] + e->t[0] * w[0] + e->t[1] * w[1], a.x[k][1] + e->t[3] * w[1]};
-    gh_apply2(e->q, y, &e->x[2 * i]);
-  }
   return GH_OK;
 }
 
@@ -431,7 +289,7 @@ static gh_status bridge_set(void *self, const double cell[4], const double *x, c
   double start = gh_seconds();
   if (e->periodic) {
     memcpy(e->cell, cell, sizeof e->cell);
-    split_cell(e);
+    bridge_split_cell(e);
   }
   memcpy(e->given, x, 2 * (size_t)e->n * sizeof(double));
   if (e->law.friction) memcpy(e->theta, theta, (size_t)e->n * sizeof(double));
@@ -445,7 +303,7 @@ static gh_status bridge_set(void *self, const double cell[4], const double *x, c
 static gh_status bridge_move(void *self, const double *x, const double *theta) {
   bridge *e = self;
   double start = gh_seconds();
-  GH_TRY(check_valid(e));
+  GH_TRY(bridge_check_valid(e));
   memcpy(e->given, x, 2 * (size_t)e->n * sizeof(double));
   if (e->law.friction) memcpy(e->theta, theta, (size_t)e->n * sizeof(double));
   gh_status status = evaluate(e, write_move);
@@ -455,7 +313,7 @@ static gh_status bridge_move(void *self, const double *x, const double *theta) {
 
 static gh_status relax(bridge *e, const gh_relax_options *o, gh_relax_result *r) {
   guard_relaxed end;
-  GH_TRY(check_valid(e));
+  GH_TRY(bridge_check_valid(e));
   e->valid = e->started = false;
   GH_TRY(guard_relax(e->ctx, e->lmp, FIX, o, &end));
   e->valid = e->started = e->relaxed = true;
@@ -474,137 +332,14 @@ static gh_status bridge_relax(void *self, const gh_relax_options *options, gh_re
   return status;
 }
 
-/* A row of the compute as a contact in the frame of space. */
-static void turn_contact(const bridge *e, const double *row, gh_contact *c) {
-  const double h[4] = {row[HXX], row[HXY], row[HXY], row[HYY]}, qt[4] = {e->q[0], e->q[2], e->q[1], e->q[3]};
-  double r[4];
-  *c = (gh_contact){
-      .i = (int)row[TAG1] - 1, .j = (int)row[TAG2] - 1, .overlap = row[OVERLAP], .energy = row[ENERGY]};
-  gh_apply2(e->q, row + LX, c->l);
-  gh_apply2(e->q, row + FX, c->f);
-  gh_mul2(e->q, h, r);
-  gh_mul2(r, qt, r);
-  c->h[0] = r[0];
-  c->h[1] = r[1];
-  c->h[2] = r[3];
-}
-
-/* The sum of lattice vectors between the branch vector and the grains' positions, free of round-off. */
-static void image_shift(const bridge *e, const double *row, double shift[2]) {
-  int i = (int)row[TAG1] - 1, j = (int)row[TAG2] - 1;
-  double d[2] = {e->x[2 * j] - e->x[2 * i], e->x[2 * j + 1] - e->x[2 * i + 1]}, s[2];
-  shift[0] = shift[1] = 0;
-  if (!e->periodic) return;
-  transpose_apply(e->q, d, d);
-  d[0] = row[LX] - d[0];
-  d[1] = row[LY] - d[1];
-  lattice_coordinates(e->t, d, s);
-  double ky = nearbyint(s[1]), kx = nearbyint(s[0]) - e->lattice_shift * ky;
-  shift[0] = e->cell[0] * kx + e->cell[1] * ky;
-  shift[1] = e->cell[2] * kx + e->cell[3] * ky;
-}
-
-/* By image with friction; else by the sum of lattice vectors, the order of the native engine. */
-static bool before(const bridge *e, double **rows, int a, int b) {
-  if (rows[a][TAG2] != rows[b][TAG2]) return rows[a][TAG2] < rows[b][TAG2];
-  if (e->law.friction) {
-    const int *p = &e->image[2 * a], *q = &e->image[2 * b];
-    return p[1] != q[1] ? p[1] < q[1] : p[0] < q[0];
-  }
-  if (e->shift[2 * a + 1] != e->shift[2 * b + 1]) return e->shift[2 * a + 1] < e->shift[2 * b + 1];
-  return e->shift[2 * a] < e->shift[2 * b];
-}
-
-/* e->order: the rows by (i, j, image), the order of the native engine. */
-static void sort_rows(bridge *e, double **rows, int count) {
-  memset(e->first, 0, ((size_t)e->n + 1) * sizeof(int));
-  for (int a = 0; a < count; a++) e->first[(int)rows[a][TAG1]]++;
-  for (int i = 0; i < e->n; i++) e->first[i + 1] += e->first[i];
-  for (int a = count - 1; a >= 0;
-       a--) { /* first[i+1] is the end of grain i's rows and moves to their begin */
-    int p = --e->first[(int)rows[a][TAG1]];
-    e->order[p] = a;
-  }
-  for (int p = 1; p < count; p++) {
-    int a = e->order[p], b = p;
-    for (; b > 0 && rows[e->order[b - 1]][TAG1] == rows[a][TAG1] && before(e, rows, a, e->order[b - 1]); b--)
-      e->order[b] = e->order[b - 1];
-    e->order[b] = a;
-  }
-}
-
-/* The tangential part of a row in the frame of space: moments, couple and slip do not turn. */
-static void turn_friction(const bridge *e, const double *row, const int *image, gh_friction *f) {
-  const double *d = row + DERIVATIVE, *q = e->q, ff[4] = {d[0], d[1], d[3], d[4]},
-               qt[4] = {q[0], q[2], q[1], q[3]}, fq[2] = {d[2], d[5]}, ml[2] = {d[6], d[7]};
-  double r[4], a[2], b[2];
-  *f = (gh_friction){.slip = {.i = (int)row[TAG1] - 1,
-                              .j = (int)row[TAG2] - 1,
-                              .image = {image[0], image[1]},
-                              .gamma = row[GAMMA],
-                              .gamma_pl = row[GAMMA_PL],
-                              .alpha = row[ALPHA]},
-                     .force = row[SLIP_FORCE],
-                     .couple = row[COUPLE],
-                     .energy = row[ENERGY_T],
-                     .dissipated = row[DISSIPATED],
-                     .slides = row[SLIDES] != 0};
-  gh_mul2(q, ff, r);
-  gh_mul2(r, qt, r);
-  gh_apply2(q, fq, a);
-  gh_apply2(q, ml, b);
-  memcpy(f->d, (double[9]){r[0], r[1], a[0], r[2], r[3], a[1], b[0], b[1], d[8]}, sizeof f->d);
-}
-
-/* Keys and order of the rows. */
-static gh_status sort_contacts(bridge *e, double **rows, int count) {
-  const size_t m = (size_t)count;
-  if (e->law.friction) {
-    GH_TRY(gh_grow(e->ctx, 2 * m, sizeof *e->image, &e->image_capacity, &e->image));
-    GH_TRY(gh_grow(e->ctx, m, sizeof *e->friction, &e->friction_capacity, &e->friction));
-    for (int a = 0; a < count; a++) {
-      const int k[2] = {(int)rows[a][KX], (int)rows[a][KY]};
-      image_as_given(e, (int)rows[a][TAG1] - 1, (int)rows[a][TAG2] - 1, k, &e->image[2 * a]);
-    }
-  } else {
-    GH_TRY(gh_grow(e->ctx, 2 * m, sizeof *e->shift, &e->shift_capacity, &e->shift));
-    for (int a = 0; a < count; a++) image_shift(e, rows[a], &e->shift[2 * a]);
-  }
-  sort_rows(e, rows, count);
-  return GH_OK;
-}
-
-static gh_status collect(bridge *e, int *count) {
-  double **rows;
-  GH_TRY(guard_local(e->ctx, e->lmp, COMPUTE, count, &rows));
-  size_t m = (size_t)*count;
-  GH_TRY(gh_grow(e->ctx, m, sizeof *e->order, &e->order_capacity, &e->order));
-  GH_TRY(gh_grow(e->ctx, m, sizeof *e->contacts, &e->contact_capacity, &e->contacts));
-  GH_TRY(read_positions(e));
-  GH_TRY(sort_contacts(e, rows, *count));
-  for (int p = 0; p < *count; p++) {
-    const int r = e->order[p];
-    turn_contact(e, rows[r], &e->contacts[p]);
-    if (e->law.friction) turn_friction(e, rows[r], &e->image[2 * r], &e->friction[p]);
-  }
-  atoms a;
-  GH_TRY(look(e, &a));
-  for (int k = 0; k < e->n; k++) gh_apply2(e->q, a.f[k], &e->force[2 * (a.tag[k] - 1)]);
-  if (!e->law.friction) return GH_OK;
-  double **torque;
-  GH_TRY(guard_atom(e->ctx, e->lmp, "torque", &torque));
-  for (int k = 0; k < e->n; k++) e->moment[a.tag[k] - 1] = torque[k][2];
-  return GH_OK;
-}
-
 static gh_status bridge_contacts(void *self, gh_contact_list *list) {
   bridge *e = self;
   double start = gh_seconds();
-  GH_TRY(check_valid(e));
+  GH_TRY(bridge_check_valid(e));
   int count;
   long pairs;
   GH_TRY(guard_pairs(e->ctx, e->lmp, FIX, &pairs));
-  GH_TRY(collect(e, &count));
+  GH_TRY(bridge_collect(e, &count));
   *list = (gh_contact_list){.count = count,
                             .contacts = e->contacts,
                             .friction = e->friction,
@@ -618,8 +353,8 @@ static gh_status bridge_contacts(void *self, gh_contact_list *list) {
 
 static gh_status bridge_get(void *self, double *x, double *theta) {
   bridge *e = self;
-  GH_TRY(check_valid(e));
-  GH_TRY(read_positions(e));
+  GH_TRY(bridge_check_valid(e));
+  GH_TRY(bridge_read_positions(e));
   memcpy(x, e->x, 2 * (size_t)e->n * sizeof(double));
   return e->law.friction ? guard_get_rotations(e->ctx, e->lmp, theta) : GH_OK;
 }
