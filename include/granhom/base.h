@@ -113,6 +113,8 @@ GH_API void gh_log(gh_context *ctx, gh_level level, const char *format, ...) GH_
 
 /* Zeroed memory for count objects of size bytes; *p is NULL after a failure. GH_MEMORY names the size. */
 GH_API gh_status gh_alloc(gh_context *ctx, size_t count, size_t size, void *p);
+/* A copy of a text; the caller frees. GH_MEMORY as above. */
+GH_API gh_status gh_copy_text(gh_context *ctx, const char *text, char **copy);
 /* Grows *p (an array of *capacity objects of size bytes) so that it holds at least need objects. */
 GH_API gh_status gh_grow(gh_context *ctx, size_t need, size_t size, size_t *capacity, void *p);
 

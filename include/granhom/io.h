@@ -180,9 +180,13 @@ GH_API gh_status gh_yaml_fail(gh_yaml_node node, const char *format, ...) GH_PRI
 GH_API gh_status gh_yaml_keys(gh_yaml_node map, const char *const *known);
 /* The same with the names of terms, at most 31. */
 GH_API gh_status gh_yaml_terms(gh_yaml_node map, const gh_term *known);
+/* The node must be a map, with no other keys than these. */
+GH_API gh_status gh_yaml_map(gh_yaml_node node, const char *what, const gh_term *keys);
 /* Value of a key; absent (node 0) when the map has no such key. */
 GH_API gh_yaml_node gh_yaml_get(gh_yaml_node map, const char *key);
 GH_API bool gh_yaml_has(gh_yaml_node node); /* present */
+/* The value of a required key. */
+GH_API gh_status gh_yaml_need(gh_yaml_node map, const char *what, const char *key, gh_yaml_node *value);
 GH_API int gh_yaml_length(gh_yaml_node list_or_map);
 GH_API gh_yaml_node gh_yaml_item(gh_yaml_node list, int k);
 GH_API const char *gh_yaml_key(gh_yaml_node map, int k, gh_yaml_node *value);
@@ -190,6 +194,9 @@ GH_API const char *gh_yaml_key(gh_yaml_node map, int k, gh_yaml_node *value);
 GH_API gh_status gh_yaml_number(gh_yaml_node node, const char *what, double low, double high, double *value);
 GH_API gh_status gh_yaml_integer(gh_yaml_node node, const char *what, long low, long high, long *value);
 GH_API gh_status gh_yaml_bool(gh_yaml_node node, const char *what, bool *value);
+/* A number of magnitude up to 1e300; above 0. */
+GH_API gh_status gh_yaml_finite(gh_yaml_node node, const char *what, double *value);
+GH_API gh_status gh_yaml_positive(gh_yaml_node node, const char *what, double *value);
 /* A text of one line: control characters are refused. */
 GH_API gh_status gh_yaml_text(gh_yaml_node node, const char *what, const char **value);
 GH_API gh_status gh_yaml_numbers(gh_yaml_node node, const char *what, int n, double *values);

@@ -32,6 +32,9 @@ typedef struct gh_override {
 GH_API gh_status gh_scene_read_with(gh_context *ctx, const char *path, int n, const gh_override *overrides,
                                     gh_scene **scene);
 GH_API void gh_scene_destroy(gh_scene **scene);
+/* `contact` and `micro` of a map, as in a scene, into *rve, which holds the defaults. GH_INPUT with
+ * file:line. */
+GH_API gh_status gh_scene_read_material(gh_yaml_node map, gh_context *ctx, gh_rve_options *rve);
 /* Overrides `micro: {engine: ...}`. */
 GH_API void gh_scene_set_engine(gh_scene *scene, gh_engine_kind engine);
 /* false: each integration point is computed, also where others have the same packing and history. */
@@ -51,6 +54,20 @@ GH_API int gh_scene_steps(const gh_scene *scene);
 GH_API int gh_scene_increments(const gh_scene *scene, int step); /* 1 for step 0 */
 GH_API const char *gh_scene_step_name(const gh_scene *scene, int step);
 GH_API const gh_mesh *gh_scene_mesh(const gh_scene *scene);
+/* Labels of units; "" where the file gives none. */
+GH_API const char *gh_scene_length_unit(const gh_scene *scene);
+GH_API const char *gh_scene_force_unit(const gh_scene *scene);
+/* Paths of the packings, each once; *n: how many. They belong to the scene. */
+GH_API char *const *gh_scene_packing_files(const gh_scene *scene, int *n);
+typedef enum gh_scene_loading {
+  GH_LOADING_NONE,
+  GH_LOADING_DISPLACEMENT,
+  GH_LOADING_FOOTING,
+  GH_LOADING_FORCE /* pressure or nodal force */
+} gh_scene_loading;
+/* What the response of the body is measured at: the set (index into the mesh) with the last prescribed
+ * displacement; without any, that of the last footing, pressure or force. *set -1: there is none. */
+GH_API gh_scene_loading gh_scene_last_loading(const gh_scene *scene, int *set);
 /* The loads at the end of `increment` (from 1) of `step`. Steps and increments are asked for in their order,
  * and u (nnodes x 2) holds the displacements at the end of the step before whenever increment is 1 (NULL:
  * zero): ramps without `from` and supports hold on to them. */

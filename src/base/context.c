@@ -130,6 +130,12 @@ gh_status gh_alloc(gh_context *ctx, size_t count, size_t size, void *p) {
   return GH_OK;
 }
 
+gh_status gh_copy_text(gh_context *ctx, const char *text, char **copy) {
+  GH_TRY(gh_alloc(ctx, strlen(text) + 1, 1, copy));
+  strcpy(*copy, text);
+  return GH_OK;
+}
+
 gh_status gh_grow(gh_context *ctx, size_t need, size_t size, size_t *capacity, void *p) {
   if (need <= *capacity) return GH_OK;
   size_t wanted = *capacity + *capacity / 2 + 16;

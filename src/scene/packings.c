@@ -45,9 +45,9 @@ static gh_status read_files(gh_scene *s, node list, const char *folder, int **nu
 static gh_status read_ensemble(gh_scene *s, node map, node *list) {
   node n;
   long seed;
-  GH_TRY(scene_map(map, "packing", scene_ensemble_keys));
-  GH_TRY(scene_need(map, "packing", "ensemble", list));
-  GH_TRY(scene_need(map, "packing", "seed", &n));
+  GH_TRY(gh_yaml_map(map, "packing", scene_ensemble_keys));
+  GH_TRY(gh_yaml_need(map, "packing", "ensemble", list));
+  GH_TRY(gh_yaml_need(map, "packing", "seed", &n));
   GH_TRY(gh_yaml_integer(n, "seed", 0, 2147483647, &seed));
   if (!gh_yaml_is_list(*list)) return gh_yaml_fail(*list, "ensemble must be a list of files");
   s->packing_drawn = true;
@@ -68,7 +68,7 @@ static gh_status place_packings(gh_scene *s, const int *numbers, int count) {
 gh_status scene_read_packings(gh_scene *s, node root, const char *folder) {
   node n, list;
   int *numbers = NULL, count;
-  GH_TRY(scene_need(root, "a scene", "packing", &n));
+  GH_TRY(gh_yaml_need(root, "a scene", "packing", &n));
   list = n;
   if (gh_yaml_is_map(n)) GH_TRY(read_ensemble(s, n, &list));
   gh_status status = read_files(s, list, folder, &numbers, &count);

@@ -8,52 +8,16 @@
 #include <string.h>
 
 enum { MOST_ELEMENTS = 1000000 };
-static const double LARGE = 1e300;
 
 /* ---- small readers ---- */
-
-gh_status scene_copy_text(gh_context *ctx, const char *text, char **copy) {
-  GH_TRY(gh_alloc(ctx, strlen(text) + 1, 1, copy));
-  strcpy(*copy, text);
-  return GH_OK;
-}
-
-/* The value of a key that must be there. */
-gh_status scene_need(node map, const char *what, const char *key, node *value) {
-  *value = gh_yaml_get(map, key);
-  if (gh_yaml_has(*value)) return GH_OK;
-  return gh_yaml_fail(map, "%s needs the key '%s'", what, key);
-}
-
-gh_status scene_map(node n, const char *what, const gh_term *keys) {
-  if (!gh_yaml_is_map(n)) return gh_yaml_fail(n, "%s must be a map of keys and values", what);
-  return gh_yaml_terms(n, keys);
-}
-
-gh_status scene_number(node n, const char *what, double *value) {
-  return gh_yaml_number(n, what, -LARGE, LARGE, value);
-}
-
-gh_status scene_positive(node n, const char *what, double *value) {
-  double x;
-  GH_TRY(scene_number(n, what, &x));
-  if (!(x > 0)) return gh_yaml_fail(n, "%s is %g, it must be above 0", what, x);
-  *value = x;
-  return GH_OK;
-}
 
 /* The number 0 < x < 1 behind an optional key. */
 static gh_status fraction(node map, const char *key, double *value) {
   node n = gh_yaml_get(map, key);
   if (!gh_yaml_has(n)) return GH_OK;
-  GH_TRY(scene_positive(n, key, value));
+  GH_TRY(gh_yaml_positive(n, key, value));
   if (!(*value < 1)) return gh_yaml_fail(n, "%s is %g, it must be below 1", key, *value);
   return GH_OK;
-}
-
-gh_status scene_optional_bool(node map, const char *key, bool *value) {
-  node n = gh_yaml_get(map, key);
-  return gh_yaml_has(n) ? gh_yaml_bool(n, key, value) : GH_OK;
 }
 
 static gh_status optional_integer(node map, const char *key, long low, long high, int *value) {
@@ -65,29 +29,13 @@ static gh_status optional_integer(node map, const char *key, long low, long high
   return GH_OK;
 }
 
-/* Two numbers [x, y]. */
-gh_status scene_pair(node n, const char *what, double value[2]) {
-  GH_TRY(gh_yaml_numbers(n, what, 2, value));
-  if (!gh_finite(value, 2)) return gh_yaml_fail(n, "%s is not finite", what);
-  return GH_OK;
-}
-
-/* Number of entries of an optional list; fails when it is no list. */
-gh_status scene_list_length(node list, const char *what, int *length) {
-  *length = 0;
-  if (!gh_yaml_has(list)) return GH_OK;
-  if (!gh_yaml_is_list(list)) return gh_yaml_fail(list, "%s must be a list: [{edge: ...}, ...]", what);
-  *length = gh_yaml_length(list);
-  return GH_OK;
-}
-
 /* ---- material: contact, micro ---- */
 
 /* The number at an optional key of `contact`, 0 or more. */
 static gh_status optional_amount(node map, const char *key, double *value) {
   node n = gh_yaml_get(map, key);
   if (!gh_yaml_has(n)) return GH_OK;
-  GH_TRY(scene_number(n, key, value));
+  GH_TRY(gh_yaml_finite(n, key, value));
   if (!(*value >= 0)) return gh_yaml_fail(n, "%s is %g, it must not be negative", key, *value);
   return GH_OK;
 }
@@ -131,7 +79,7 @@ static gh_status read_tangential(gh_contact_law *law, node contact) {
   if (!law->friction) return GH_OK;
   node n = gh_yaml_get(contact, "tangential_stiffness");
   law->tangential_stiffness = law->normal_stiffness;
-  if (gh_yaml_has(n)) GH_TRY(scene_positive(n, "tangential_stiffness", &law->tangential_stiffness));
+  if (gh_yaml_has(n)) GH_TRY(gh_yaml_positive(n, "tangential_stiffness", &law->tangential_stiffness));
   GH_TRY(optional_amount(contact, "hardening", &law->hardening));
   GH_TRY(optional_choice(contact, "rotations", (const char *[]){"free", "fixed"}, &law->fixed_rotations));
   GH_TRY(optional_choice(contact, "slip", (const char *[]){"projected", "objective"}, &slip));
@@ -147,7 +95,7 @@ static gh_status read_allowed(gh_rve_options *micro, node n) {
   micro->allow_overlap = 0;
   if (!gh_yaml_has(n)) return GH_OK;
   GH_TRY(gh_yaml_text(n, "allow_overlap", &text));
-  if (gh_parse_number(text, &value)) return scene_positive(n, "allow_overlap", &micro->allow_overlap);
+  if (gh_parse_number(text, &value)) return gh_yaml_positive(n, "allow_overlap", &micro->allow_overlap);
   if (gh_yaml_bool(n, "allow_overlap", &any) != GH_OK)
     return gh_yaml_fail(n, "allow_overlap is '%s', it must be true, false or a mean overlap over the radius",
                         text);
@@ -158,10 +106,10 @@ static gh_status read_allowed(gh_rve_options *micro, node n) {
 static gh_status read_contact(gh_scene *s, node root) {
   gh_contact_law *law = &s->micro.law;
   node contact, n;
-  GH_TRY(scene_need(root, "a scene", "contact", &contact));
-  GH_TRY(scene_map(contact, "contact", scene_contact_keys));
-  GH_TRY(scene_need(contact, "contact", "normal_stiffness", &n));
-  GH_TRY(scene_positive(n, "normal_stiffness", &law->normal_stiffness));
+  GH_TRY(gh_yaml_need(root, "a scene", "contact", &contact));
+  GH_TRY(gh_yaml_map(contact, "contact", scene_contact_keys));
+  GH_TRY(gh_yaml_need(contact, "contact", "normal_stiffness", &n));
+  GH_TRY(gh_yaml_positive(n, "normal_stiffness", &law->normal_stiffness));
   GH_TRY(read_allowed(&s->micro, gh_yaml_get(contact, "allow_overlap")));
   GH_TRY(read_friction(law, contact));
   return read_tangential(law, contact);
@@ -170,7 +118,7 @@ static gh_status read_contact(gh_scene *s, node root) {
 static gh_status read_micro(gh_scene *s, node root) {
   node micro = gh_yaml_get(root, "micro"), n;
   if (!gh_yaml_has(micro)) return GH_OK;
-  GH_TRY(scene_map(micro, "micro", scene_micro_keys));
+  GH_TRY(gh_yaml_map(micro, "micro", scene_micro_keys));
   const char *word;
   if (gh_yaml_has(n = gh_yaml_get(micro, "boundary"))) {
     GH_TRY(gh_yaml_text(n, "boundary", &word));
@@ -190,7 +138,7 @@ static gh_status read_micro(gh_scene *s, node root) {
   }
   if (gh_yaml_has(n = gh_yaml_get(micro, "max_steps")))
     GH_TRY(gh_yaml_integer(n, "max_steps", 1, 2000000000, &s->micro.max_steps));
-  if (gh_yaml_has(n = gh_yaml_get(micro, "accept"))) GH_TRY(scene_positive(n, "accept", &s->micro.accept));
+  if (gh_yaml_has(n = gh_yaml_get(micro, "accept"))) GH_TRY(gh_yaml_positive(n, "accept", &s->micro.accept));
   GH_TRY(optional_integer(micro, "resident", 1, 1000000000, &s->resident));
   return fraction(micro, "tolerance", &s->micro.tolerance);
 }
@@ -211,9 +159,9 @@ static gh_status move_nodes(gh_scene *s, node list) {
   for (int k = 0; k < count && status == GH_OK; k++) {
     node entry = gh_yaml_item(list, k), at, by;
     double x[2], d[2];
-    GH_TRY_OR(scene_map(entry, "an entry of move", scene_move_keys), done);
-    GH_TRY_OR(scene_need(entry, "an entry of move", "node", &at), done);
-    GH_TRY_OR(scene_need(entry, "an entry of move", "by", &by), done);
+    GH_TRY_OR(gh_yaml_map(entry, "an entry of move", scene_move_keys), done);
+    GH_TRY_OR(gh_yaml_need(entry, "an entry of move", "node", &at), done);
+    GH_TRY_OR(gh_yaml_need(entry, "an entry of move", "by", &by), done);
     GH_TRY_OR(scene_pair(at, "node", x), done);
     GH_TRY_OR(scene_pair(by, "by", d), done);
     int best = 0;
@@ -238,12 +186,12 @@ static gh_status read_rectangle(gh_scene *s, node n) {
   double low[2] = {0, 0}, size[2];
   int elements[2];
   node part;
-  GH_TRY(scene_map(n, "rectangle", scene_rectangle_keys));
-  GH_TRY(scene_need(n, "rectangle", "size", &part));
+  GH_TRY(gh_yaml_map(n, "rectangle", scene_rectangle_keys));
+  GH_TRY(gh_yaml_need(n, "rectangle", "size", &part));
   GH_TRY(scene_pair(part, "size", size));
   if (!(size[0] > 0) || !(size[1] > 0))
     return gh_yaml_fail(part, "size [%g, %g] must be above 0", size[0], size[1]);
-  GH_TRY(scene_need(n, "rectangle", "elements", &part));
+  GH_TRY(gh_yaml_need(n, "rectangle", "elements", &part));
   if (!gh_yaml_is_list(part) || gh_yaml_length(part) != 2)
     return gh_yaml_fail(part, "elements must be a list of two numbers");
   for (int i = 0; i < 2; i++) {
@@ -261,9 +209,9 @@ static gh_status read_rectangle(gh_scene *s, node n) {
 
 static gh_status read_mesh(gh_scene *s, node root, const char *folder) {
   node mesh, rectangle, gmsh;
-  GH_TRY(scene_need(root, "a scene", "mesh", &mesh));
+  GH_TRY(gh_yaml_need(root, "a scene", "mesh", &mesh));
   s->mesh_line = gh_yaml_line(mesh);
-  GH_TRY(scene_map(mesh, "mesh", scene_mesh_keys));
+  GH_TRY(gh_yaml_map(mesh, "mesh", scene_mesh_keys));
   rectangle = gh_yaml_get(mesh, "rectangle");
   gmsh = gh_yaml_get(mesh, "gmsh");
   if (gh_yaml_has(rectangle) == gh_yaml_has(gmsh))
@@ -293,7 +241,7 @@ static gh_status read_start(gh_scene *s, node root) {
   node start = gh_yaml_get(root, "start"), n;
   s->start_line = gh_yaml_line(gh_yaml_has(start) ? start : root);
   if (!gh_yaml_has(start)) return GH_OK;
-  GH_TRY(scene_map(start, "start", scene_start_keys));
+  GH_TRY(gh_yaml_map(start, "start", scene_start_keys));
   bool balance = false;
   GH_TRY(scene_optional_bool(start, "balance", &balance));
   n = gh_yaml_get(start, "confinement");
@@ -303,7 +251,7 @@ static gh_status read_start(gh_scene *s, node root) {
     return gh_yaml_fail(gh_yaml_get(start, "follow"), "follow belongs to a confinement, and start has none");
   s->start = balance ? SCENE_START_BALANCE : SCENE_START_CONFINEMENT;
   if (balance) return GH_OK;
-  GH_TRY(scene_positive(n, "confinement", &s->confinement));
+  GH_TRY(gh_yaml_positive(n, "confinement", &s->confinement));
   bool follow = false;
   GH_TRY(scene_optional_bool(start, "follow", &follow));
   s->confinement_follow = gh_yaml_has(gh_yaml_get(start, "follow")) ? follow : -1;
@@ -345,7 +293,7 @@ static gh_status read_solver(gh_scene *s, node root) {
   if (gh_rve_has_branches(&s->micro)) s->solver.memory = MEMORY_WITH_BRANCHES;
   s->solver.memory_above = NOISE * s->micro.tolerance;
   if (!gh_yaml_has(solver)) return GH_OK;
-  GH_TRY(scene_map(solver, "solver", scene_solver_keys));
+  GH_TRY(gh_yaml_map(solver, "solver", scene_solver_keys));
   if (gh_yaml_has(n = gh_yaml_get(solver, "method"))) {
     const char *word;
     GH_TRY(gh_yaml_text(n, "method", &word));
@@ -367,18 +315,18 @@ static gh_status read_labels(gh_scene *s, node root) {
   const char *title = "", *length = "", *force = "";
   if (gh_yaml_has(n)) GH_TRY(gh_yaml_text(n, "title", &title));
   if (gh_yaml_has(units)) {
-    GH_TRY(scene_map(units, "units", scene_units_keys));
+    GH_TRY(gh_yaml_map(units, "units", scene_units_keys));
     if (gh_yaml_has(n = gh_yaml_get(units, "length"))) GH_TRY(gh_yaml_text(n, "length", &length));
     if (gh_yaml_has(n = gh_yaml_get(units, "force"))) GH_TRY(gh_yaml_text(n, "force", &force));
   }
-  GH_TRY(scene_copy_text(s->ctx, title, &s->title));
-  GH_TRY(scene_copy_text(s->ctx, length, &s->length_unit));
-  return scene_copy_text(s->ctx, force, &s->force_unit);
+  GH_TRY(gh_copy_text(s->ctx, title, &s->title));
+  GH_TRY(gh_copy_text(s->ctx, length, &s->length_unit));
+  return gh_copy_text(s->ctx, force, &s->force_unit);
 }
 
 static gh_status read_root(gh_scene *s, node root, const char *folder) {
   node gravity;
-  GH_TRY(scene_map(root, "a scene", scene_root_keys));
+  GH_TRY(gh_yaml_map(root, "a scene", scene_root_keys));
   GH_TRY(read_labels(s, root));
   GH_TRY(read_contact(s, root));
   GH_TRY(read_micro(s, root));
@@ -393,7 +341,7 @@ static gh_status read_root(gh_scene *s, node root, const char *folder) {
   return scene_read_packings(s, root, folder);
 }
 
-gh_status scene_read_material(node root, gh_context *ctx, gh_rve_options *rve) {
+gh_status gh_scene_read_material(node root, gh_context *ctx, gh_rve_options *rve) {
   gh_scene s = {.ctx = ctx, .micro = *rve};
   GH_TRY(read_contact(&s, root));
   GH_TRY(read_micro(&s, root));
@@ -407,8 +355,8 @@ static gh_status override(gh_scene *s, gh_yaml *doc, int n, const gh_override *o
   GH_TRY(gh_alloc(s->ctx, (size_t)n, sizeof *s->override_value, &s->override_value));
   s->noverrides = n;
   for (int k = 0; k < n; k++) {
-    GH_TRY(scene_copy_text(s->ctx, overrides[k].key, &s->override_key[k]));
-    GH_TRY(scene_copy_text(s->ctx, overrides[k].value, &s->override_value[k]));
+    GH_TRY(gh_copy_text(s->ctx, overrides[k].key, &s->override_key[k]));
+    GH_TRY(gh_copy_text(s->ctx, overrides[k].value, &s->override_value[k]));
     GH_TRY(gh_yaml_set(doc, overrides[k].key, overrides[k].value));
   }
   return GH_OK;
@@ -433,7 +381,7 @@ gh_status gh_scene_read_with(gh_context *ctx, const char *path, int n, const gh_
   s->micro.engine = GH_ENGINE_LAMMPS;
   s->solver = gh_macro_defaults();
   s->ranks = 1;
-  GH_TRY_OR(scene_copy_text(ctx, path, &s->path), done);
+  GH_TRY_OR(gh_copy_text(ctx, path, &s->path), done);
   folder = gh_path_folder(path);
   if (!folder) {
     status = gh_fail(ctx, GH_MEMORY, "no memory for a path");

@@ -5,23 +5,13 @@
 #include "scene/internal.h"
 
 typedef gh_yaml_node node;
-/* ---- read.c: values; all failures are GH_INPUT with file:line ---- */
+/* ---- read_values.c: values; all failures are GH_INPUT with file:line ---- */
 
-gh_status scene_copy_text(gh_context *ctx, const char *text, char **copy);
-/* The value of a key that must be there. */
-gh_status scene_need(node map, const char *what, const char *key, node *value);
-/* A map with no other keys than these. */
-gh_status scene_map(node n, const char *what, const gh_term *keys);
-gh_status scene_number(node n, const char *what, double *value);
-/* Above 0. */
-gh_status scene_positive(node n, const char *what, double *value);
 gh_status scene_optional_bool(node map, const char *key, bool *value);
 /* Two numbers [x, y]. */
 gh_status scene_pair(node n, const char *what, double value[2]);
 /* Number of entries of an optional list. */
 gh_status scene_list_length(node list, const char *what, int *length);
-/* `contact` and `micro` of a map into *rve, which holds the defaults. */
-gh_status scene_read_material(node root, gh_context *ctx, gh_rve_options *rve);
 
 /* ---- keys.c: what each map of a scene may hold ---- */
 

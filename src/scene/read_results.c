@@ -37,7 +37,7 @@ gh_status scene_read_results(gh_scene *s, node root) {
     return gh_yaml_fail(old, "'output' is an older name of 'results', and the scene has both");
   if (gh_yaml_has(old)) results = old;
   if (!gh_yaml_has(results)) return GH_OK;
-  GH_TRY(scene_map(results, "results", scene_results_keys));
+  GH_TRY(gh_yaml_map(results, "results", scene_results_keys));
   if (gh_yaml_has(n = gh_yaml_get(results, "rves"))) GH_TRY(read_points(s, n, "rves", &s->rves, &s->nrves));
   if (gh_yaml_has(n = gh_yaml_get(results, "dump"))) GH_TRY(read_points(s, n, "dump", &s->dumps, &s->ndumps));
   if (gh_yaml_has(n = gh_yaml_get(results, "dump_every"))) {

@@ -38,9 +38,9 @@ gh_status scene_read_fixes(gh_scene *s, node list, const char *what, const char 
   for (int k = 0; k < *count; k++) {
     node entry = gh_yaml_item(list, k), n;
     const char *word;
-    GH_TRY(scene_map(entry, what, strcmp(key, "fix") == 0 ? scene_support_keys : scene_release_keys));
+    GH_TRY(gh_yaml_map(entry, what, strcmp(key, "fix") == 0 ? scene_support_keys : scene_release_keys));
     GH_TRY(find_set(s, entry, what, false, &(*fixes)[k].set));
-    GH_TRY(scene_need(entry, what, key, &n));
+    GH_TRY(gh_yaml_need(entry, what, key, &n));
     GH_TRY(gh_yaml_text(n, key, &word));
     if (strcmp(word, "x") == 0) (*fixes)[k].mask = SCENE_X;
     else if (strcmp(word, "y") == 0) (*fixes)[k].mask = SCENE_Y;
@@ -57,12 +57,12 @@ static gh_status read_pressures(gh_scene *s, node list, scene_step *step) {
     scene_pressure *p = step->pressures + k;
     node entry = gh_yaml_item(list, k), n;
     p->line = gh_yaml_line(entry);
-    GH_TRY(scene_map(entry, "pressure", scene_pressure_keys));
+    GH_TRY(gh_yaml_map(entry, "pressure", scene_pressure_keys));
     GH_TRY(find_set(s, entry, "pressure", true, &p->set));
-    GH_TRY(scene_need(entry, "pressure", "to", &n));
-    GH_TRY(scene_number(n, "to", &p->to));
+    GH_TRY(gh_yaml_need(entry, "pressure", "to", &n));
+    GH_TRY(gh_yaml_finite(n, "to", &p->to));
     p->from = NAN;
-    if (gh_yaml_has(n = gh_yaml_get(entry, "from"))) GH_TRY(scene_number(n, "from", &p->from));
+    if (gh_yaml_has(n = gh_yaml_get(entry, "from"))) GH_TRY(gh_yaml_finite(n, "from", &p->from));
     GH_TRY(scene_optional_bool(entry, "follow", &p->follow));
     const gh_mesh_set *sets = s->mesh->sets;
     for (int j = 0; j < k; j++) {
@@ -87,19 +87,19 @@ static gh_status read_displaces(gh_scene *s, node list, scene_step *step) {
     node entry = gh_yaml_item(list, k), n, from;
     const char *names[2] = {"x", "y"};
     d->line = gh_yaml_line(entry);
-    GH_TRY(scene_map(entry, "displace", scene_displace_keys));
+    GH_TRY(gh_yaml_map(entry, "displace", scene_displace_keys));
     GH_TRY(find_set(s, entry, "displace", false, &d->set));
     int directions = 0;
     for (int i = 0; i < 2; i++) {
       d->from[i] = d->to[i] = NAN;
       if (!gh_yaml_has(n = gh_yaml_get(entry, names[i]))) continue;
-      GH_TRY(scene_number(n, names[i], d->to + i));
+      GH_TRY(gh_yaml_finite(n, names[i], d->to + i));
       directions++;
     }
     if (directions == 0) return gh_yaml_fail(entry, "displace needs a target: x, y or both");
     if (gh_yaml_has(from = gh_yaml_get(entry, "from"))) {
       if (directions == 2) GH_TRY(scene_pair(from, "from", d->from));
-      else GH_TRY(scene_number(from, "from", d->from + (isnan(d->to[0]) ? 1 : 0)));
+      else GH_TRY(gh_yaml_finite(from, "from", d->from + (isnan(d->to[0]) ? 1 : 0)));
     }
     for (int j = 0; j < k; j++)
       for (int i = 0; i < 2; i++)
@@ -116,9 +116,9 @@ static gh_status read_forces(gh_scene *s, node list, scene_step *step) {
   for (int k = 0; k < step->nforces; k++) {
     scene_force *f = step->forces + k;
     node entry = gh_yaml_item(list, k), n;
-    GH_TRY(scene_map(entry, "forces", scene_force_keys));
+    GH_TRY(gh_yaml_map(entry, "forces", scene_force_keys));
     GH_TRY(find_set(s, entry, "forces", false, &f->set));
-    GH_TRY(scene_need(entry, "forces", "to", &n));
+    GH_TRY(gh_yaml_need(entry, "forces", "to", &n));
     GH_TRY(scene_pair(n, "to", f->to));
     f->from[0] = f->from[1] = NAN;
     if (gh_yaml_has(n = gh_yaml_get(entry, "from"))) GH_TRY(scene_pair(n, "from", f->from));
@@ -137,7 +137,7 @@ static gh_status read_point(gh_scene *s, node entry, scene_footing *f) {
   if (gh_yaml_has(at) && gh_yaml_has(off))
     return gh_yaml_fail(entry, "footing: give 'at' or 'eccentricity', not both");
   if (gh_yaml_has(at)) return scene_pair(at, "at", f->at);
-  if (gh_yaml_has(off)) GH_TRY(scene_number(off, "eccentricity", &eccentricity));
+  if (gh_yaml_has(off)) GH_TRY(gh_yaml_finite(off, "eccentricity", &eccentricity));
   gh_footing_point(s->mesh, f->set, eccentricity, f->at);
   return GH_OK;
 }
@@ -149,9 +149,9 @@ static gh_status read_footings(gh_scene *s, node list, scene_step *step) {
     scene_footing *f = step->footings + k;
     node entry = gh_yaml_item(list, k), n;
     f->line = gh_yaml_line(entry);
-    GH_TRY(scene_map(entry, "footing", scene_footing_keys));
+    GH_TRY(gh_yaml_map(entry, "footing", scene_footing_keys));
     GH_TRY(find_set(s, entry, "footing", true, &f->set));
-    GH_TRY(scene_need(entry, "footing", "force", &n));
+    GH_TRY(gh_yaml_need(entry, "footing", "force", &n));
     GH_TRY(scene_pair(n, "force", f->to));
     f->from[0] = f->from[1] = NAN;
     if (gh_yaml_has(n = gh_yaml_get(entry, "from"))) GH_TRY(scene_pair(n, "from", f->from));
@@ -172,8 +172,8 @@ static gh_status read_step_gravity(node n, scene_step *step) {
   step->gravity = true;
   step->gravity_line = gh_yaml_line(n);
   if (gh_yaml_is_list(n)) return scene_pair(n, "gravity", step->gravity_to);
-  GH_TRY(scene_map(n, "gravity", scene_gravity_keys));
-  GH_TRY(scene_need(n, "gravity", "to", &part));
+  GH_TRY(gh_yaml_map(n, "gravity", scene_gravity_keys));
+  GH_TRY(gh_yaml_need(n, "gravity", "to", &part));
   GH_TRY(scene_pair(part, "to", step->gravity_to));
   if (gh_yaml_has(part = gh_yaml_get(n, "from"))) GH_TRY(scene_pair(part, "from", step->gravity_from));
   return GH_OK;
@@ -183,13 +183,13 @@ static gh_status read_step(gh_scene *s, node n, int index, scene_step *step) {
   node part;
   long count;
   step->line = gh_yaml_line(n);
-  GH_TRY(scene_map(n, "a step", scene_step_keys));
+  GH_TRY(gh_yaml_map(n, "a step", scene_step_keys));
   char numbered[32];
   const char *name = numbered;
   snprintf(numbered, sizeof numbered, "step %d", index + 1);
   if (gh_yaml_has(part = gh_yaml_get(n, "name"))) GH_TRY(gh_yaml_text(part, "name", &name));
-  GH_TRY(scene_copy_text(s->ctx, name, &step->name));
-  GH_TRY(scene_need(n, "a step", "increments", &part));
+  GH_TRY(gh_copy_text(s->ctx, name, &step->name));
+  GH_TRY(gh_yaml_need(n, "a step", "increments", &part));
   GH_TRY(gh_yaml_integer(part, "increments", 1, MOST_INCREMENTS, &count));
   step->increments = (int)count;
   GH_TRY(
@@ -205,7 +205,7 @@ static gh_status read_step(gh_scene *s, node n, int index, scene_step *step) {
 
 gh_status scene_read_steps(gh_scene *s, node root) {
   node n;
-  GH_TRY(scene_need(root, "a scene", "steps", &n));
+  GH_TRY(gh_yaml_need(root, "a scene", "steps", &n));
   if (!gh_yaml_is_list(n) || gh_yaml_length(n) < 1)
     return gh_yaml_fail(n, "steps must be a list of at least one step");
   GH_TRY(gh_alloc(s->ctx, (size_t)gh_yaml_length(n), sizeof *s->steps, &s->steps));

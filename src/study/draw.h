@@ -16,6 +16,9 @@ gh_status study_picture(const gh_study *s, const char *folder, const char *name,
                         gh_text *commands);
 /* Where errors that are exactly zero are drawn: a tenth of the smallest other one, or 1e-16. */
 double study_zero_floor(const gh_study *s);
+
+/* ---- draw_precision.c, draw_order.c, draw_curves.c ---- */
+
 gh_status study_draw_precision(const gh_study *s, const char *folder);
 gh_status study_draw_order(const gh_study *s, const char *folder);
 gh_status study_draw_curves(const gh_study *s, const char *folder);

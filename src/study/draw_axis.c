@@ -1,4 +1,5 @@
-/* What the pictures of a study share. SPDX-License-Identifier: GPL-2.0-or-later */
+/* Colours, logarithmic axes and files: what the pictures of a study share. SPDX-License-Identifier:
+ * GPL-2.0-or-later */
 #include "study/draw.h"
 
 #include <stdlib.h>
@@ -73,11 +74,4 @@ double study_zero_floor(const gh_study *s) {
     if (study_is_rated(s, k) && study_error_of(s, k) > 0) smallest = fmin(smallest, study_error_of(s, k));
   }
   return isfinite(smallest) ? smallest / 10 : 1e-16;
-}
-
-gh_status study_draw(const gh_study *s, const char *folder) {
-  if (!s->verdict) return GH_OK;
-  GH_TRY(study_draw_precision(s, folder));
-  if (s->order >= 0) GH_TRY(study_draw_order(s, folder));
-  return s->nplots > 0 ? study_draw_curves(s, folder) : GH_OK;
 }

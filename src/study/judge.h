@@ -23,7 +23,7 @@ const study_curve *study_first_curve(const study_setting *g);
 /* Fills the errors of a row (arrays of nquantities, allocated), its points, paired, why. */
 gh_status study_compare(const gh_study *s, const study_setting *g, study_judged *row);
 
-/* ---- judge.c ---- */
+/* ---- ratings.c: questions about a judged study ---- */
 
 /* The setting is itself what it is compared with. */
 bool study_is_reference(const gh_study *s, int setting);

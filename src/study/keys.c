@@ -20,6 +20,8 @@ const gh_term study_keys[] = {
     {"quick", "smaller study for `--quick`, below"},
     {0}};
 
+const gh_term study_units_keys[] = {{"length", "as in a scene"}, {"force", "as in a scene"}, {0}};
+
 const gh_term study_rve_keys[] = {{"packing", "required. File, or a pattern of file names: an ensemble"},
                                   {"contact", "required. As in a scene"},
                                   {"micro", "as in a scene; `engine` may also be `gran` or `liggghts`"},

@@ -12,12 +12,9 @@ typedef gh_yaml_node node;
 
 /* ---- keys.c: what each map of a study file may hold ---- */
 
-extern const gh_term study_keys[], study_rve_keys[], study_path_keys[], study_leg_keys[],
+extern const gh_term study_keys[], study_rve_keys[], study_path_keys[], study_leg_keys[], study_units_keys[],
     study_reference_keys[], study_quick_keys[];
 
-/* ---- read.c ---- */
-
-gh_status study_copy(gh_context *ctx, const char *text, char **copy);
 void study_curve_free(study_curve *curve);
 
 /* ---- settings.c: combinations of values, references, members ---- */
@@ -76,12 +73,8 @@ void study_problem_close(study_problem *p);
 /* Columns and quantities that answers have. The problem is one of the study's. */
 gh_status study_columns(gh_study *s, const study_problem *p);
 
-/* What of a scene's boundary is looked at. */
-typedef struct study_watched {
-  int set; /* -1: all nodes */
-  bool driven, footing;
-} study_watched;
-study_watched study_watch(const gh_scene *scene);
+/* Whether the response of a scene is a force on a set that is displaced; else it is a displacement. */
+bool study_measures_force(const gh_scene *scene);
 
 /* ---- follow.c, scene_run.c: runs ---- */
 

@@ -1,6 +1,5 @@
 /* Paths of deformation gradients: legs from F = I, or the rows of a file. SPDX-License-Identifier:
  * GPL-2.0-or-later */
-#include "scene/read.h"
 #include "study/parts.h"
 
 #include <math.h>
@@ -47,13 +46,13 @@ static void add_leg(study_path *p, const double to[4], int count, long refine) {
 
 static gh_status read_leg(node leg, double to[4], long *count) {
   node n;
-  GH_TRY(scene_map(leg, "a leg", study_leg_keys));
-  GH_TRY(scene_need(leg, "a leg", "to", &n));
+  GH_TRY(gh_yaml_map(leg, "a leg", study_leg_keys));
+  GH_TRY(gh_yaml_need(leg, "a leg", "to", &n));
   GH_TRY(gh_yaml_numbers(n, "to", 4, to));
   if (!(gh_det2(to) > 0))
     return gh_yaml_fail(n, "to: [F11, F12, F21, F22] has the determinant %g; it must be positive",
                         gh_det2(to));
-  GH_TRY(scene_need(leg, "a leg", "increments", &n));
+  GH_TRY(gh_yaml_need(leg, "a leg", "increments", &n));
   return gh_yaml_integer(n, "increments", 1, MOST_ROWS, count);
 }
 
@@ -140,7 +139,7 @@ static gh_status read_file(gh_context *ctx, node n, const char *folder, long ref
 
 gh_status study_path_read(gh_context *ctx, node path, const char *folder, long refine, study_path *p) {
   *p = (study_path){0};
-  GH_TRY(scene_map(path, "path", study_path_keys));
+  GH_TRY(gh_yaml_map(path, "path", study_path_keys));
   node legs = gh_yaml_get(path, "legs"), file = gh_yaml_get(path, "file");
   if (gh_yaml_has(legs) == gh_yaml_has(file))
     return gh_yaml_fail(path, "path needs one of the keys 'legs' and 'file'");

@@ -1,7 +1,6 @@
 /* What one run of a study computes: the scene or the rve with the keys of its setting, and the hash of all
  * that the answer depends on. SPDX-License-Identifier: GPL-2.0-or-later */
 #include "io/file.h"
-#include "scene/read.h"
 #include "study/parts.h"
 
 #include "granhom/granhom.h"
@@ -126,8 +125,8 @@ static void free_keys(scene_keys *k) {
 
 static gh_status add_key(gh_context *ctx, gh_yaml *doc, scene_keys *k, const char *key, const char *value) {
   char *copies[2] = {NULL, NULL};
-  gh_status status = study_copy(ctx, key, &copies[0]);
-  if (status == GH_OK) status = study_copy(ctx, value, &copies[1]);
+  gh_status status = gh_copy_text(ctx, key, &copies[0]);
+  if (status == GH_OK) status = gh_copy_text(ctx, value, &copies[1]);
   if (status != GH_OK) {
     free(copies[0]);
     return status;
@@ -189,8 +188,9 @@ static gh_status hash_scene(gh_context *ctx, const gh_study *s, gh_yaml *doc, st
   char *folder = gh_path_folder(s->scene_path);
   if (!folder) return gh_fail(ctx, GH_MEMORY, "no memory for a path");
   gh_status status = add_node(ctx, gh_yaml_root(doc), &sum);
-  for (int k = 0; k < p->scene->npackings && status == GH_OK; k++)
-    status = add_file(ctx, p->scene->packing_paths[k], &sum);
+  int packings;
+  char *const *files = gh_scene_packing_files(p->scene, &packings);
+  for (int k = 0; k < packings && status == GH_OK; k++) status = add_file(ctx, files[k], &sum);
   if (status == GH_OK)
     status = add_named(ctx, folder, gh_yaml_get(gh_yaml_get(gh_yaml_root(doc), "mesh"), "gmsh"), &sum);
   free(folder);
@@ -263,16 +263,16 @@ static gh_status check_path(gh_context *ctx, node path, const study_problem *p) 
 static gh_status read_rve(gh_context *ctx, const gh_study *s, gh_yaml *doc, const wanted *w,
                           study_problem *p) {
   node rve = gh_yaml_get(gh_yaml_root(doc), "rve"), path, contact;
-  GH_TRY(scene_map(rve, "rve", study_rve_keys));
-  GH_TRY(scene_need(rve, "rve", "contact", &contact));
-  GH_TRY(scene_need(rve, "rve", "path", &path));
+  GH_TRY(gh_yaml_map(rve, "rve", study_rve_keys));
+  GH_TRY(gh_yaml_need(rve, "rve", "contact", &contact));
+  GH_TRY(gh_yaml_need(rve, "rve", "path", &path));
   GH_TRY(study_path_read(ctx, path, s->folder, w->refine, &p->path));
   GH_TRY(hash_rve(ctx, s, rve, w, p));
   GH_TRY(find_peer(doc, rve, &p->peer));
   p->rve = gh_rve_defaults();
   p->rve.boundary = GH_PERIODIC;
   p->rve.engine = GH_ENGINE_LAMMPS;
-  GH_TRY(scene_read_material(rve, ctx, &p->rve));
+  GH_TRY(gh_scene_read_material(rve, ctx, &p->rve));
   GH_TRY(gh_packing_read(ctx, w->packing, &p->packing));
   return check_path(ctx, path, p);
 }

@@ -1,16 +1,11 @@
 /* Reads a study file and checks all that it names. Every complaint begins with file:line.
  * SPDX-License-Identifier: GPL-2.0-or-later */
 #include "io/file.h"
-#include "scene/read.h"
 #include "study/parts.h"
 
 #include <libgen.h>
 #include <stdlib.h>
 #include <string.h>
-
-gh_status study_copy(gh_context *ctx, const char *text, char **copy) {
-  return scene_copy_text(ctx, text, copy);
-}
 
 /* A value as one line of YAML; the caller frees. */
 static gh_status one_line(gh_study *s, node n, char **value) {
@@ -18,7 +13,7 @@ static gh_status one_line(gh_study *s, node n, char **value) {
   GH_TRY(gh_text_create(s->ctx, &text));
   gh_yaml_print(n, text);
   gh_status status = gh_text_check(text);
-  if (status == GH_OK) status = study_copy(s->ctx, gh_text_get(text, NULL), value);
+  if (status == GH_OK) status = gh_copy_text(s->ctx, gh_text_get(text, NULL), value);
   gh_text_destroy(&text);
   if (status == GH_OK && !**value) return gh_yaml_fail(n, "a value is missing");
   return status;
@@ -45,7 +40,7 @@ static gh_status add_entry(gh_study *s, const char *key, node value, study_entry
     e = more + *n;
     *e = (study_entry){0};
     ++*n;
-    GH_TRY(study_copy(s->ctx, key, &e->key));
+    GH_TRY(gh_copy_text(s->ctx, key, &e->key));
   }
   free(e->value);
   e->value = NULL;
@@ -96,7 +91,7 @@ static gh_status read_knobs(gh_study *s, node vary) {
     s->nknobs = k + 1;
     knob->line = gh_yaml_line(list);
     if (gh_unprintable(name, what)) return gh_yaml_fail(list, "a key under vary holds %s", what);
-    GH_TRY(study_copy(s->ctx, name, &knob->name));
+    GH_TRY(gh_copy_text(s->ctx, name, &knob->name));
     GH_TRY(read_values(s, list, knob));
   }
   return GH_OK;
@@ -133,7 +128,7 @@ static gh_status read_closed_form(gh_study *s, node n) {
     return gh_yaml_fail(n, "closed_form '%s' is not known; there is: triangular-lattice", word);
   if (s->scene) return gh_yaml_fail(n, "a closed form belongs to one packing along a path (rve)");
   s->reference = STUDY_CLOSED_FORM;
-  return study_copy(s->ctx, "the closed form of a triangular lattice", &s->reference_text);
+  return gh_copy_text(s->ctx, "the closed form of a triangular lattice", &s->reference_text);
 }
 
 static gh_status read_reference_file(gh_study *s, node n) {
@@ -142,7 +137,7 @@ static gh_status read_reference_file(gh_study *s, node n) {
   s->reference = STUDY_FILE;
   s->reference_file = gh_path_join(s->folder, name);
   if (!s->reference_file) return gh_fail(s->ctx, GH_MEMORY, "no memory for a path");
-  return study_copy(s->ctx, name, &s->reference_text);
+  return gh_copy_text(s->ctx, name, &s->reference_text);
 }
 
 static gh_status read_tighter(gh_study *s, node set) {
@@ -155,11 +150,11 @@ static gh_status read_tighter(gh_study *s, node set) {
     snprintf(words + used, sizeof words - used, "%s%s %s", k ? ", " : "", s->tighter[k].key,
              study_plain(s->tighter[k].value, value, sizeof value));
   }
-  return study_copy(s->ctx, words, &s->reference_text);
+  return gh_copy_text(s->ctx, words, &s->reference_text);
 }
 
 static gh_status read_reference(gh_study *s, node n) {
-  GH_TRY(scene_map(n, "reference", study_reference_keys));
+  GH_TRY(gh_yaml_map(n, "reference", study_reference_keys));
   node set = gh_yaml_get(n, "set"), file = gh_yaml_get(n, "file"), form = gh_yaml_get(n, "closed_form");
   s->reference_line = gh_yaml_line(n);
   if (gh_yaml_has(set) + gh_yaml_has(file) + gh_yaml_has(form) != 1)
@@ -182,8 +177,8 @@ static gh_status read_problem(gh_study *s, node root) {
     s->scene_path = gh_path_join(s->folder, name);
     return s->scene_path ? GH_OK : gh_fail(s->ctx, GH_MEMORY, "no memory for a path");
   }
-  GH_TRY(scene_map(rve, "rve", study_rve_keys));
-  GH_TRY(scene_need(rve, "rve", "packing", &packing));
+  GH_TRY(gh_yaml_map(rve, "rve", study_rve_keys));
+  GH_TRY(gh_yaml_need(rve, "rve", "packing", &packing));
   return add_entry(s, "packing", packing, &s->base, &s->nbase);
 }
 
@@ -193,15 +188,15 @@ static gh_status read_labels(gh_study *s, node root) {
   char *copy = strdup(s->path);
   if (!copy) return gh_fail(s->ctx, GH_MEMORY, "no memory for a path");
   gh_status status = gh_yaml_has(n) ? gh_yaml_text(n, "title", &title) : GH_OK;
-  if (status == GH_OK) status = study_copy(s->ctx, title ? title : basename(copy), &s->title);
+  if (status == GH_OK) status = gh_copy_text(s->ctx, title ? title : basename(copy), &s->title);
   free(copy);
   GH_TRY(status);
   if (!gh_yaml_has(units)) return GH_OK; /* a scene has its own */
-  GH_TRY(scene_map(units, "units", scene_units_keys));
+  GH_TRY(gh_yaml_map(units, "units", study_units_keys));
   if (gh_yaml_has(n = gh_yaml_get(units, "length"))) GH_TRY(gh_yaml_text(n, "length", &length));
   if (gh_yaml_has(n = gh_yaml_get(units, "force"))) GH_TRY(gh_yaml_text(n, "force", &force));
-  GH_TRY(study_copy(s->ctx, length, &s->length_unit));
-  return study_copy(s->ctx, force, &s->force_unit);
+  GH_TRY(gh_copy_text(s->ctx, length, &s->length_unit));
+  return gh_copy_text(s->ctx, force, &s->force_unit);
 }
 
 /* ---- goals, and what is known once there are columns ---- */
@@ -220,7 +215,7 @@ static gh_status read_goals(gh_study *s, node list) {
   GH_TRY(gh_alloc(s->ctx, (size_t)s->ngoals, sizeof *s->goals, &s->goals));
   for (int k = 0; k < s->ngoals; k++) {
     s->goals[k] = usual[k % 3];
-    if (gh_yaml_has(list)) GH_TRY(scene_positive(gh_yaml_item(list, k), "a goal", s->goals + k));
+    if (gh_yaml_has(list)) GH_TRY(gh_yaml_positive(gh_yaml_item(list, k), "a goal", s->goals + k));
   }
   qsort(s->goals, (size_t)s->ngoals, sizeof *s->goals, descending);
   return GH_OK;
@@ -301,17 +296,17 @@ static gh_status blame(gh_study *s, int setting, int member) {
 static gh_status take_columns(gh_study *s, int setting, const study_problem *p) {
   char name[256];
   if (s->ncolumns > 0) {
-    study_watched now = p->scene ? study_watch(p->scene) : (study_watched){0};
-    if (!p->scene || now.driven == (strcmp(s->quantities[1].name, "force") == 0)) return GH_OK;
+    const bool driven = p->scene && study_measures_force(p->scene);
+    if (!p->scene || driven == (strcmp(s->quantities[1].name, "force") == 0)) return GH_OK;
     study_run_name(s, setting, -1, name, sizeof name);
     return gh_fail(s->ctx, GH_INPUT,
                    "%s:%d: %s: here %s is driven, unlike in the settings before: they cannot be compared",
-                   s->path, s->problem_line, name, now.driven ? "an edge" : "nothing");
+                   s->path, s->problem_line, name, driven ? "an edge" : "nothing");
   }
   GH_TRY(study_columns(s, p));
   if (!p->scene) return GH_OK;
-  if (!s->length_unit) GH_TRY(study_copy(s->ctx, p->scene->length_unit, &s->length_unit));
-  return s->force_unit ? GH_OK : study_copy(s->ctx, p->scene->force_unit, &s->force_unit);
+  if (!s->length_unit) GH_TRY(gh_copy_text(s->ctx, gh_scene_length_unit(p->scene), &s->length_unit));
+  return s->force_unit ? GH_OK : gh_copy_text(s->ctx, gh_scene_force_unit(p->scene), &s->force_unit);
 }
 
 /* An ensemble with copies would look surer of its mean than it is. */
@@ -376,17 +371,17 @@ static gh_status check_runs(gh_study *s) {
 
 static gh_status read_root(gh_study *s, node root) {
   node quick = {.doc = root.doc}, vary, reference;
-  GH_TRY(scene_map(root, "a study", study_keys));
+  GH_TRY(gh_yaml_map(root, "a study", study_keys));
   if (gh_yaml_has(gh_yaml_get(root, "quick"))) {
-    GH_TRY(scene_map(gh_yaml_get(root, "quick"), "quick", study_quick_keys));
+    GH_TRY(gh_yaml_map(gh_yaml_get(root, "quick"), "quick", study_quick_keys));
     if (s->quick) quick = gh_yaml_get(root, "quick");
   }
   GH_TRY(read_labels(s, root));
   GH_TRY(read_problem(s, root));
   GH_TRY(read_entries(s, gh_yaml_get(root, "base"), "base", &s->base, &s->nbase));
   GH_TRY(read_entries(s, gh_yaml_get(quick, "base"), "base", &s->base, &s->nbase));
-  GH_TRY(scene_need(root, "a study", "vary", &vary));
-  GH_TRY(scene_need(root, "a study", "reference", &reference));
+  GH_TRY(gh_yaml_need(root, "a study", "vary", &vary));
+  GH_TRY(gh_yaml_need(root, "a study", "reference", &reference));
   if (gh_yaml_has(gh_yaml_get(quick, "vary"))) vary = gh_yaml_get(quick, "vary");
   if (gh_yaml_has(gh_yaml_get(quick, "reference"))) reference = gh_yaml_get(quick, "reference");
   GH_TRY(read_knobs(s, vary));
@@ -400,8 +395,8 @@ static gh_status read_root(gh_study *s, node root) {
   GH_TRY(check_runs(s));
   GH_TRY(choose_quantities(s, gh_yaml_get(root, "quantities")));
   GH_TRY(read_plots(s, gh_yaml_get(root, "plots")));
-  if (!s->length_unit) GH_TRY(study_copy(s->ctx, "", &s->length_unit));
-  if (!s->force_unit) GH_TRY(study_copy(s->ctx, "", &s->force_unit));
+  if (!s->length_unit) GH_TRY(gh_copy_text(s->ctx, "", &s->length_unit));
+  if (!s->force_unit) GH_TRY(gh_copy_text(s->ctx, "", &s->force_unit));
   return study_reference(s);
 }
 
@@ -414,7 +409,7 @@ gh_status gh_study_read(gh_context *ctx, const char *path, bool quick, gh_study 
     gh_study *s = *study;
     s->ctx = ctx, s->quick = quick;
     s->folder = gh_path_folder(path);
-    status = s->folder ? study_copy(ctx, path, &s->path) : gh_fail(ctx, GH_MEMORY, "no memory for a path");
+    status = s->folder ? gh_copy_text(ctx, path, &s->path) : gh_fail(ctx, GH_MEMORY, "no memory for a path");
     if (status == GH_OK) status = read_root(s, gh_yaml_root(doc));
   }
   gh_yaml_destroy(&doc);

@@ -1,6 +1,5 @@
 /* All runs of a study, spread over the ranks; then tables and pictures. SPDX-License-Identifier:
  * GPL-2.0-or-later */
-#include "scene/internal.h"
 #include "granhom/limits.h"
 #include "study/parts.h"
 

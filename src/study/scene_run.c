@@ -1,7 +1,6 @@
-/* A scene as a run of a study: nothing is written, the body is looked at after each increment.
+/* A scene as a run of a study: nothing is written, the response of the body is measured after each increment.
  * SPDX-License-Identifier: GPL-2.0-or-later */
 #include "granhom/macro.h"
-#include "scene/internal.h"
 #include "study/parts.h"
 
 #include <string.h>
@@ -12,13 +11,14 @@ typedef struct body {
   study_problem *p;
   study_run *run;
   const gh_macro *macro;
-  study_watched watched;
+  gh_scene_loading loading; /* of the set whose response is measured; -1: all nodes */
+  int set;
   size_t capacity;
 } body;
 
 /* Mean of P over the reference area. */
-static void mean_stress(const body *b, double P[4]) {
-  const gh_mesh *mesh = b->p->scene->mesh;
+static void body_stress(const body *b, double P[4]) {
+  const gh_mesh *mesh = gh_scene_mesh(b->p->scene);
   const double *all = gh_macro_P(b->macro);
   double area = 0;
   memset(P, 0, 4 * sizeof *P);
@@ -34,40 +34,41 @@ static void mean_stress(const body *b, double P[4]) {
   for (int c = 0; c < 4; c++) P[c] /= area;
 }
 
-/* Mean displacement of the watched nodes. */
-static void settle(const body *b, double mean[2]) {
-  const gh_mesh *mesh = b->p->scene->mesh;
-  const gh_mesh_set *set = b->watched.set >= 0 ? mesh->sets + b->watched.set : NULL;
+/* Mean displacement of the set, at the footing that of its point of load application. */
+static void body_settlement(const body *b, double mean[2]) {
+  const gh_mesh *mesh = gh_scene_mesh(b->p->scene);
+  const gh_mesh_set *set = b->set >= 0 ? mesh->sets + b->set : NULL;
   const double *u = gh_macro_u(b->macro);
   const int n = set ? set->nnodes : mesh->nnodes;
-  double turn;
+  double rotation;
   mean[0] = mean[1] = 0;
-  if (b->watched.footing) {
-    gh_macro_footing(b->macro, b->watched.set, mean, &turn);
+  if (b->loading == GH_LOADING_FOOTING) {
+    gh_macro_footing(b->macro, b->set, mean, &rotation);
     return;
   }
   for (int k = 0; k < n; k++)
     for (int i = 0; i < 2; i++) mean[i] += u[2 * (set ? set->nodes[k] : k) + i] / n;
 }
 
-static gh_status look(void *data, int step, int increment, int increments, const gh_macro *macro) {
+static gh_status body_measure(void *data, int step, int increment, int increments, const gh_macro *macro) {
   body *b = data;
   double value[COLUMNS], V, v, t = step == 0 ? 0 : step - 1 + (double)increment / increments;
   b->macro = macro;
-  mean_stress(b, value);
-  if (b->watched.driven) gh_macro_reaction(macro, b->watched.set, value + 4);
-  else settle(b, value + 4);
+  body_stress(b, value);
+  if (b->loading == GH_LOADING_DISPLACEMENT) gh_macro_reaction(macro, b->set, value + 4);
+  else body_settlement(b, value + 4);
   gh_macro_volumes(macro, &V, &v);
   value[6] = 100 * (v / V - 1);
   return study_curve_add(b->p->ctx, &b->run->curve, &b->capacity, COLUMNS, t, value);
 }
 
 gh_status study_scene_run(study_problem *p, const study_stop *stop, study_run *run) {
-  body b = {.p = p, .run = run, .watched = study_watch(p->scene)};
+  body b = {.p = p, .run = run};
+  b.loading = gh_scene_last_loading(p->scene, &b.set);
   gh_run_summary sum = {0};
   gh_run_options options = {.stop = stop ? stop->asked : NULL,
                             .stop_data = stop ? stop->data : NULL,
-                            .observe = look,
+                            .observe = body_measure,
                             .observe_data = &b};
   gh_status status = gh_scene_run(p->scene, NULL, &options, &sum);
   run->force_evaluations = sum.cost.steps;

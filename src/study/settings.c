@@ -144,10 +144,10 @@ static gh_status combine(gh_study *s, int number, study_setting *one) {
     const study_knob *knob = s->knobs + k;
     one->choice[k] = number % knob->nvalues;
     number /= knob->nvalues;
-    GH_TRY(study_copy(s->ctx, knob->value[one->choice[k]], &one->value[k]));
+    GH_TRY(gh_copy_text(s->ctx, knob->value[one->choice[k]], &one->value[k]));
   }
   one->reference = -1;
-  return study_copy(s->ctx, "", &one->also);
+  return gh_copy_text(s->ctx, "", &one->also);
 }
 
 static gh_status count_rows(gh_study *s, int *rows) {
@@ -176,7 +176,7 @@ static gh_status make_reference(gh_study *s, int row, study_setting *one) {
     one->choice[k] = -1;
     for (int j = 0; j < s->knobs[k].nvalues; j++)
       if (same_value(s->knobs[k].value[j], value)) one->choice[k] = j;
-    GH_TRY(study_copy(s->ctx, value, &one->value[k]));
+    GH_TRY(gh_copy_text(s->ctx, value, &one->value[k]));
   }
   for (int k = 0; k < s->ntighter; k++)
     if (beside(s, s->tighter + k)) {
@@ -186,7 +186,7 @@ static gh_status make_reference(gh_study *s, int row, study_setting *one) {
                study_plain(s->tighter[k].value, value, sizeof value));
     }
   one->extra = true;
-  return study_copy(s->ctx, also, &one->also);
+  return gh_copy_text(s->ctx, also, &one->also);
 }
 
 /* Whether setting k, which is a row or a reference, is the reference of a row. */
@@ -223,7 +223,7 @@ static gh_status plain_text(gh_study *s, const char *value, char **text) {
   const char *word;
   GH_TRY(gh_yaml_parse(s->ctx, "packing", value, &doc));
   gh_status status = gh_yaml_text(gh_yaml_root(doc), "a pattern of file names", &word);
-  if (status == GH_OK) status = study_copy(s->ctx, word, text);
+  if (status == GH_OK) status = gh_copy_text(s->ctx, word, text);
   gh_yaml_destroy(&doc);
   return status;
 }
@@ -249,7 +249,7 @@ static gh_status copy_file(gh_study *s, const char *name, char **copy) {
   char what[GH_QUOTE], quoted[GH_QUOTE];
   if (gh_unprintable(name, what))
     return gh_fail(s->ctx, GH_INPUT, "the name of the file '%s' holds %s", gh_quote(name, quoted), what);
-  return study_copy(s->ctx, name, copy);
+  return gh_copy_text(s->ctx, name, copy);
 }
 
 /* Files that fit the pattern, ascending; at least one. */
