@@ -35,12 +35,13 @@ awk -F '|' '
     list[code] = count[code]++ ? list[code] "; " $2 : $2
     next
   }
-  $1 != section {
-    section = $1
-    printf "\n### %s\n\n| case | check | error (allowed), or outcome |\n| --- | --- | --- |\n", section
+  !($1 in rows) { # a section may have rows of several programs
+    sections[++n] = $1
+    rows[$1] = sprintf("\n### %s\n\n| case | check | error (allowed), or outcome |\n| --- | --- | --- |\n", $1)
   }
-  { printf "| %s | %s | %s |\n", $2, $3, outcome }
+  { rows[$1] = rows[$1] sprintf("| %s | %s | %s |\n", $2, $3, outcome) }
   END {
+    for (k = 1; k <= n; ++k) printf "%s", rows[sections[k]]
     print "\n### Program\n"
     printf "- exit status 0 and finite numbers: %d cases\n", count[0]
     for (code = 1; code <= 2; ++code) printf "- exit status %d: %s\n", code, list[code]

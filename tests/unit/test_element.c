@@ -1,9 +1,8 @@
-/* Element tests: conditions, and a point under mixed control, with materials in closed form and with
- * packings. SPDX-License-Identifier: GPL-2.0-or-later */
-#include "../help.h"
+/* Element tests: conditions, and a point under mixed control, with materials in closed form.
+ * SPDX-License-Identifier: GPL-2.0-or-later */
+#include "element_help.h"
 
 #include "control/four.h"
-#include "granhom/control.h"
 
 /* ---- a material in closed form ----
  *
@@ -52,8 +51,6 @@ static gh_status revert(void *point) {
   return GH_OK;
 }
 
-static const double identity[4] = {1, 0, 0, 1};
-
 static gh_control *make_control(gh_context *ctx, material *m, double tolerance) {
   static const gh_point_ops ops = {.evaluate = evaluate, .commit = commit, .revert = revert};
   gh_control_options o = gh_control_defaults();
@@ -64,17 +61,6 @@ static gh_control *make_control(gh_context *ctx, material *m, double tolerance) 
   OK(gh_control_create(ctx, &ops, m, &o, &c));
   OK(gh_control_start(c, identity));
   return c;
-}
-
-static void parse(gh_context *ctx, const char *const words[4], gh_condition c[4]) {
-  for (int k = 0; k < 4; k++) OK(gh_condition_parse(ctx, words[k], &c[k]));
-}
-
-static gh_status solve(gh_context *ctx, gh_control *control, const char *const words[4],
-                       const double target[4], gh_control_report *report) {
-  gh_condition c[4];
-  parse(ctx, words, c);
-  return gh_control_solve(control, c, target, report);
 }
 
 /* Zero of f in [low, high]. */
@@ -312,21 +298,6 @@ static void test_cuts(void **state) {
   gh_control_destroy(&c);
 }
 
-/* Triangular lattice of equal disks that just touch; row by row, in a cell of 2 r n x sqrt(3) r n. */
-static gh_packing *lattice(gh_context *ctx, int n, double r) {
-  const double cell[4] = {2 * r * n, 0, 0, sqrt(3) * r * n};
-  double *radius = malloc((size_t)(n * n) * sizeof *radius), *x = malloc(2 * (size_t)(n * n) * sizeof *x);
-  for (int k = 0; k < n * n; k++) {
-    radius[k] = r;
-    x[2 * k] = 2 * r * (k % n) + r * (k / n % 2);
-    x[2 * k + 1] = sqrt(3) * r * (k / n);
-  }
-  gh_packing *p = make_packing(ctx, n * n, cell, radius, x);
-  free(radius);
-  free(x);
-  return p;
-}
-
 /* A point that answers nothing but where it is; and a packing that is pulled, which carries nothing. */
 static void test_given_up(void **state) {
   gh_context *ctx = *state;
@@ -390,125 +361,10 @@ static void test_refused(void **state) {
   gh_control_destroy(&c);
 }
 
-/* ---- packings ---- */
-
-/* P = -sqrt(3) E (1 - c) 1 at F = c 1, so that the pressure p needs c = sqrt(3) E / (sqrt(3) E + p). */
-static void test_lattice(void **state) {
-  gh_context *ctx = *state;
-  static const char *const words[4] = {"pressure", "s11 - s22", "s12", "F21"};
-  const double E = 100;
-  for (int kind = 0; kind < 2; kind++) {
-    if (!use_engine((gh_engine_kind)kind)) continue;
-    gh_packing *p = lattice(ctx, 4, 0.5);
-    gh_rve *rve = make_rve(ctx, p, (gh_engine_kind)kind, GH_PERIODIC, E, 1e-10);
-    gh_control_options o = gh_control_defaults();
-    gh_control *c;
-    const double start[4] = {0.9999, 0, 0, 0.9999};
-    o.stiffness = E;
-    o.tolerance = 1e-11;
-    OK(gh_control_create_rve(ctx, rve, &o, &c));
-    OK(gh_control_start(c, start));
-    for (double pressure = 0.5; pressure < 5; pressure *= 2) {
-      const double target[4] = {pressure, 0, 0, 0}, x = sqrt(3) * E / (sqrt(3) * E + pressure),
-                   F[4] = {x, 0, 0, x};
-      gh_control_report r;
-      OK(solve(ctx, c, words, target, &r));
-      NEAR("F", distance(gh_control_F(c), F, 4), 0, 1e-11);
-      assert_int_equal(r.jumps, 0);
-    }
-    gh_control_destroy(&c);
-    gh_rve_destroy(&rve);
-    gh_packing_destroy(&p);
-  }
-}
-
-/* Work of P along F, by the trapezoidal rule, less the energy gained, over the work; from the same start with
- * n increments. */
-static double imbalance(gh_context *ctx, const gh_packing *p, int n) {
-  static const char *const words[4] = {"F22", "s11", "s12", "F21"};
-  gh_rve *rve = make_rve(ctx, p, GH_ENGINE_NATIVE, GH_PERIODIC, 1000, 1e-11);
-  gh_control_options o = gh_control_defaults();
-  gh_control *c;
-  o.stiffness = 1000;
-  o.tolerance = 1e-9;
-  OK(gh_control_create_rve(ctx, rve, &o, &c));
-  OK(gh_control_start(c, identity));
-  double s[4], work = 0, energy = gh_rve_measure(rve)->energy;
-  gh_cauchy2(gh_control_P(c), gh_control_F(c), s);
-  for (int k = 1; k <= n; k++) {
-    double F[4], P[4];
-    const double target[4] = {1 - 0.001 * k / n, s[0], s[1], 0};
-    memcpy(F, gh_control_F(c), sizeof F);
-    memcpy(P, gh_control_P(c), sizeof P);
-    gh_control_report r;
-    OK(solve(ctx, c, words, target, &r));
-    assert_int_equal(r.parts, 1);
-    double now[4];
-    gh_cauchy2(gh_control_P(c), gh_control_F(c), now);
-    NEAR("side stress", now[0], s[0], 1e-9 * fabs(now[3]));
-    NEAR("shear stress", now[1], s[1], 1e-9 * fabs(now[3]));
-    for (int a = 0; a < 4; a++) work += (gh_control_F(c)[a] - F[a]) * (gh_control_P(c)[a] + P[a]) / 2;
-  }
-  double gained = gh_rve_measure(rve)->energy - energy;
-  gh_control_destroy(&c);
-  gh_rve_destroy(&rve);
-  return fabs(work - gained) / fabs(work);
-}
-
-/* Biaxial compression of a dense packing at its own side stress: the work of the outer stress is stored, with
- * an error of second order in the increment. */
-static void test_energy(void **state) {
-  gh_context *ctx = *state;
-  if (!use_engine(GH_ENGINE_NATIVE)) return;
-  gh_packing *p = case_packing(ctx, "p150d");
-  double coarse = imbalance(ctx, p, 4), fine = imbalance(ctx, p, 16);
-  print_message("work and energy differ by %.3g with 4 increments, %.3g with 16\n", coarse, fine);
-  assert_true(coarse < 1e-3);
-  assert_true(fine < coarse / 8);
-  gh_packing_destroy(&p);
-}
-
-/* The state after an element test is that of a run along the same F without control. */
-static void test_same_as_path(void **state) {
-  gh_context *ctx = *state;
-  static const char *const words[4] = {"volume", "F12", "s11 - s22", "F21"};
-  if (!use_engine(GH_ENGINE_NATIVE)) return;
-  gh_packing *p = case_packing(ctx, "p150d");
-  gh_rve *rve = make_rve(ctx, p, GH_ENGINE_NATIVE, GH_PERIODIC, 1000, 1e-10),
-         *other = make_rve(ctx, p, GH_ENGINE_NATIVE, GH_PERIODIC, 1000, 1e-10);
-  gh_control_options o = gh_control_defaults();
-  gh_control *c;
-  double P[4];
-  o.stiffness = 1000;
-  OK(gh_control_create_rve(ctx, rve, &o, &c));
-  OK(gh_control_start(c, identity));
-  OK(gh_rve_evaluate(other, identity, 0, P, NULL));
-  OK(gh_rve_commit(other));
-  double s[4];
-  gh_cauchy2(gh_control_P(c), identity, s);
-  for (int k = 1; k <= 4; k++) {
-    const double target[4] = {1, 5e-5 * k, s[0] - s[3], 0};
-    gh_control_report r;
-    OK(solve(ctx, c, words, target, &r));
-    assert_int_equal(r.parts, 1);
-    NEAR("J", gh_det2(gh_control_F(c)), 1, 1e-13);
-    assert_int_equal(distance(gh_rve_F(rve), gh_control_F(c), 4) > 0, 0);
-    OK(gh_rve_evaluate(other, gh_control_F(c), 0, P, NULL));
-    OK(gh_rve_commit(other));
-    NEAR("P", distance(P, gh_control_P(c), 4), 0, 0);
-  }
-  gh_control_destroy(&c);
-  gh_rve_destroy(&rve);
-  gh_rve_destroy(&other);
-  gh_packing_destroy(&p);
-}
-
 int main(void) {
-  const struct CMUnitTest tests[] = {
-      TEST(test_words),   TEST(test_slopes),       TEST(test_four),    TEST(test_isotropic),
-      TEST(test_biaxial), TEST(test_isochoric),    TEST(test_jump),    TEST(test_stop_at_jump),
-      TEST(test_cuts),    TEST(test_given_up),     TEST(test_refused), TEST(test_lattice),
-      TEST(test_energy),  TEST(test_same_as_path),
-  };
+  const struct CMUnitTest tests[] = {TEST(test_words),     TEST(test_slopes),       TEST(test_four),
+                                     TEST(test_isotropic), TEST(test_biaxial),      TEST(test_isochoric),
+                                     TEST(test_jump),      TEST(test_stop_at_jump), TEST(test_cuts),
+                                     TEST(test_given_up),  TEST(test_refused)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
