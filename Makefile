@@ -32,7 +32,7 @@ OPT    ?= -O0
 endif
 OPT    ?= -O3
 DEBUGGED := $(if $(filter 1,$(DEBUG))$(filter -O0,$(OPT)),-DGH_DEBUG)
-MODULES ?= base io mesh contact packing engine engine/native micro farm control macro prepare results report scene crosscheck study
+MODULES ?= base io mesh contact packing engine engine/native micro farm control macro prepare results report scene crosscheck
 
 # MPI=0: granhom's own code knows no ranks; LAMMPS keeps the MPI that it was built with. HDF5=0: results as text alone.
 MPI    ?= 1
@@ -83,10 +83,13 @@ SONAME  := libgranhom.so.$(firstword $(subst ., ,$(VERSION)))
 SHARED  := $(BUILD)/libgranhom.so.$(VERSION)
 RVE_SONAME := libgranhom-rve.so.$(firstword $(subst ., ,$(VERSION)))
 RVE_SHARED := $(BUILD)/libgranhom-rve.so.$(VERSION)
-DRV  := $(filter-out $(LEFT_OUT),$(wildcard driver/*.c))
+# Studies are a tool of the program, and no part of the libraries.
+DRV  := $(filter-out $(LEFT_OUT),$(wildcard driver/*.c src/study/*.c))
 DOBJ := $(DRV:%=$(BUILD)/%.o)
+STUDY_OBJ := $(filter $(BUILD)/src/study/%,$(DOBJ))
 TESTS := $(wildcard tests/unit/test_*.c tests/verify/test_*.c tests/extreme/test_*.c)
 TBIN := $(TESTS:%.c=$(BUILD)/%)
+STUDY_TBIN := $(filter $(BUILD)/tests/unit/test_study_%,$(TBIN))
 BENCH := $(patsubst %.c,$(BUILD)/%,$(wildcard tests/bench/*.c))
 
 # Fuzz targets: with libFuzzer's loop where clang has it, with that of tests/fuzz/standalone.c otherwise.
@@ -107,7 +110,7 @@ CHOICE := MPI=$(MPI) HDF5=$(HDF5) LAMMPS=$(LAMMPS) $(LAMMPS_VERSION) $(lastword 
 $(shell mkdir -p $(BUILD); echo '$(CHOICE)' | cmp -s - $(BUILD)/choice || echo '$(CHOICE)' >$(BUILD)/choice)
 
 # What answers and their seconds depend on, as a number: records of a study tell by it of which build they are.
-ANSWERS := $(sort $(filter-out src/study/% src/report/%,$(SRC)) $(MODULE_SRC) $(addprefix src/study/,path.c follow.c scene_run.c) \
+ANSWERS := $(sort $(filter-out src/report/%,$(SRC)) $(MODULE_SRC) $(addprefix src/study/,path.c follow.c scene_run.c) \
   $(wildcard include/granhom/*.h src/*/*.h src/*/*/*.h))
 $(shell printf '\043define GH_SOURCES "%s"\n' "$$(cat $(ANSWERS) | cksum | cut -d' ' -f1)" >$(BUILD)/sources.new; \
   cmp -s $(BUILD)/sources.new $(BUILD)/sources.h && rm $(BUILD)/sources.new || mv $(BUILD)/sources.new $(BUILD)/sources.h)
@@ -145,8 +148,10 @@ $(MODULE): $(MODULE_OBJ) $(MODULE_OWN) scripts/granhom-lammps.map
 $(BUILD)/granhom: $(DOBJ) $(LIB)
 	@echo "  LD   $@"
 	@$(CC) $(LDFLAGS) $(DOBJ) $(LIB) $(LDLIBS) -o $@
+$(STUDY_TBIN): $(STUDY_OBJ)
+$(STUDY_TBIN): OF_PROGRAM := $(STUDY_OBJ)
 # Tests have the objects of the LAMMPS engine in themselves, whose symbols must come before those of liblammps.so.
-TEST_LIBS = $(MODULE_OBJ) $(LIB) $(LDLIBS) $(LIBS_LAMMPS)
+TEST_LIBS = $(OF_PROGRAM) $(MODULE_OBJ) $(LIB) $(LDLIBS) $(LIBS_LAMMPS)
 $(BUILD)/tests/bench/%: $(BUILD)/tests/bench/%.c.o $(LIB) $(MODULE_OBJ)
 	@$(CC) -rdynamic $(LDFLAGS) $< $(TEST_LIBS) -o $@
 $(BUILD)/tests/fuzz/fuzz_%: $(BUILD)/tests/fuzz/fuzz_%.c.o $(FUZZ_OBJ) $(LIB) $(MODULE_OBJ)

@@ -2,7 +2,7 @@
 #include "cli.h"
 #include "folder_options.h"
 
-#include "granhom/study.h"
+#include "study/study.h"
 
 #include <signal.h>
 

@@ -3,7 +3,7 @@
 #include "pack_spec.h"
 
 #include "granhom/scene.h"
-#include "granhom/study.h"
+#include "study/study.h"
 
 #include <stdio.h>
 #include <string.h>

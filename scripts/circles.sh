@@ -6,8 +6,8 @@ set -u
 cd "$(dirname "$0")/.." || exit 2
 build=${1:-${BUILD:-build}}
 
-# Headers that are private to the library but serve all of its modules.
-shared='^(base/[a-z0-9_]+|contact/[a-z0-9_]+|io/file|io/json|packing/random)\.h$'
+# Headers that are private to the library but serve all of its modules, and what the program calls studies by.
+shared='^(base/[a-z0-9_]+|contact/[a-z0-9_]+|io/file|io/json|packing/random|study/study)\.h$'
 
 # Source, kind and name of each symbol with external linkage: "src/macro/newton.c T gh_newton". Objects of sources that have gone may
 # still lie in the build.

@@ -19,5 +19,4 @@
 #include "granhom/report.h"
 #include "granhom/results.h"
 #include "granhom/scene.h"
-#include "granhom/study.h"
 #endif

@@ -7,7 +7,7 @@
 #ifndef GRANHOM_STUDY_INTERNAL_H
 #define GRANHOM_STUDY_INTERNAL_H
 
-#include "granhom/study.h"
+#include "study/study.h"
 
 /* One thing that is varied. */
 typedef struct study_knob {

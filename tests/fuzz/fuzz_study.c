@@ -1,6 +1,6 @@
 /* Studies: reading with all that they name, explaining. SPDX-License-Identifier: GPL-2.0-or-later */
 #include "fuzz.h"
-#include "granhom/study.h"
+#include "study/study.h"
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
   const char *file = fuzz_file("scenes/studies", "yaml", data, size);

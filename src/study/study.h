@@ -1,29 +1,25 @@
 /* granhom: error against run time: the same problem with many settings, compared with a reference.
  * SPDX-License-Identifier: GPL-2.0-or-later */
-#ifndef GRANHOM_STUDY_H
-#define GRANHOM_STUDY_H
+#ifndef GRANHOM_STUDY_STUDY_H
+#define GRANHOM_STUDY_STUDY_H
 
 #include "granhom/io.h"
 #include "granhom/report.h"
 #include "granhom/scene.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 typedef struct gh_study gh_study;
 
 /* The keys of a study file, map by map; the columns of study.csv and curves.csv. */
-GH_API const gh_term_list *gh_study_keys(void);
-GH_API const gh_term_list *gh_study_columns(void);
+const gh_term_list *gh_study_keys(void);
+const gh_term_list *gh_study_columns(void);
 
 /* Reads a study file (docs/reference/keys.md) with the scene or the path, the packings and all values that it
  * names, and checks each run as far as that can be done before it begins. GH_INPUT with file:line. Nothing is
  * written. quick: with what the file's `quick` puts in the place of its `vary` and `base`. */
-GH_API gh_status gh_study_read(gh_context *ctx, const char *path, bool quick, gh_study **study);
-GH_API void gh_study_destroy(gh_study **study);
+gh_status gh_study_read(gh_context *ctx, const char *path, bool quick, gh_study **study);
+void gh_study_destroy(gh_study **study);
 /* What would run, in words: settings, members, references. */
-GH_API void gh_study_explain(const gh_study *study, gh_text *out);
+void gh_study_explain(const gh_study *study, gh_text *out);
 
 typedef struct gh_study_options {
   bool (*stop)(void *data); /* asked before each run and within it; NULL: never */
@@ -38,11 +34,8 @@ typedef struct gh_study_options {
  * GH_STOPPED: what is finished stays. GH_INPUT, and nothing written: no folder can be there, or the ranks
  * have read different files. GH_DIVERGED: no setting has a result. GH_SYSTEM: the folder cannot be written,
  * or files have changed meanwhile. Collective over comm; only rank 0 writes tables. */
-GH_API gh_status gh_study_run(gh_study *study, const char *folder, const gh_study_options *options);
+gh_status gh_study_run(gh_study *study, const char *folder, const gh_study_options *options);
 /* The table and the sentences of the last gh_study_run: what study.md holds, for the terminal. */
-GH_API void gh_study_print(const gh_study *study, gh_text *out);
+void gh_study_print(const gh_study *study, gh_text *out);
 
-#ifdef __cplusplus
-}
-#endif
 #endif
