@@ -13,9 +13,15 @@ near() {
 }
 dns() { "$granhom" lammps -in "$inputs/in.dns" -var cells 16 -var steps 250 -log none -screen none "$@" >said 2>said.err; }
 
+# same DUMP DUMP TABLE TABLE: a specimen and its second half from a restart file. LAMMPS 29 Sep 2021 repeats it to the last bit; later ones
+# round the positions of a tilted box when they read the file, so that the stresses agree to round-off.
+exact='or to round-off: this LAMMPS is not of 29 Sep 2021'
+[ "$(pkg-config --modversion liblammps)" = 20210929 ] && exact=exactly
+same() { if [ "$exact" = exactly ]; then cmp -s "$1" "$2" && cmp -s "$3" "$4"; else near "$3" "$4" 1e-11; fi; }
+
 dns -var last one.dump -var out one.txt -var middle one.restart; say $? 'the specimen runs on one rank'
 dns -var last again.dump -var out again.txt -var from one.restart; say $? 'and again from its restart file'
-cmp -s one.dump again.dump && cmp -s one.txt again.txt; say $? 'to the last bit'
+same one.dump again.dump one.txt again.txt; say $? "to the last bit ($exact)"
 
 # What a restart may not be used for
 cat >other.in <<'E2'
@@ -83,8 +89,8 @@ two() { mpirun -n 2 "$granhom" lammps -log none -screen none "$@" >said 2>said.e
 two -in "$inputs/in.dns" -var cells 16 -var steps 250 -var last two.dump -var out two.txt -var middle two.restart
 say $? 'the specimen runs on two ranks'
 near one.txt two.txt 1e-10; say $? 'with the same stresses to 1e-10'
-two -in "$inputs/in.dns" -var cells 16 -var steps 250 -var last two.again -var from two.restart && cmp -s two.dump two.again
-say $? 'and again from its restart file, to the last bit'
+two -in "$inputs/in.dns" -var cells 16 -var steps 250 -var last two.again -var out two.txt2 -var from two.restart && same two.dump two.again two.txt two.txt2
+say $? "and again from its restart file, to the last bit ($exact)"
 two -in drift.in -var out two.drift -var drift 10 && near still.txt two.drift 1e-9
 say $? 'its history goes from rank to rank'
 out=loop2.txt inner=no loop mpirun -n 2 && cut -d ' ' -f 1-5 loop.txt >a && cut -d ' ' -f 1-5 loop2.txt >b && near a b 1e-8
