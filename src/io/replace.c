@@ -74,7 +74,7 @@ static int target_find(const char *path, char **target) {
 /* A file that its owner has made read-only is not replaced, though its folder would allow that. */
 static int target_check(const char *path, new_file *t) {
   int reason = target_find(path, &t->target); /* new_file_close frees it */
-  if (reason) return reason;                 
+  if (reason) return reason;
   t->there = stat(t->target, &t->old) == 0; // NOLINT(clang-analyzer-unix.Malloc)
   if (!t->there) return errno == ENOENT ? 0 : errno;
   if (S_ISDIR(t->old.st_mode)) return EISDIR;
