@@ -43,7 +43,7 @@ run_one() {
   if [ "${test%.sh}" = "$test" ]; then
     passed=$(count "$out" PASSED) failed=$(count "$out" FAILED) skipped=$(count "$out" SKIPPED)
   else
-    passed=$(grep -c '^ok - ' "$out") failed=$(grep -c '^not ok - ' "$out") skipped=$(grep -c '^skip - ' "$out")
+    passed=$(grep -ac '^ok - ' "$out") failed=$(grep -ac '^not ok - ' "$out") skipped=$(grep -ac '^skip - ' "$out")
   fi
   passed=${passed:-0} failed=${failed:-0} skipped=${skipped:-0}
   if [ "$code" -ne 0 ] && [ "$failed" -eq 0 ]; then # a crash, a time-out, or a test that said nothing
@@ -61,7 +61,7 @@ run_one() {
     [ "$skipped" -gt 0 ] && words="$words, $skipped skipped"
     printf '%-32s %6.1f s  %s\n' "$name" "$(echo "$end $begin" | awk '{print $1 - $2}')" "$words"
     # cmocka's successes say nothing about the failure
-    [ "$failed" -gt 0 ] && grep -vE '^\[ (RUN     |      OK) \]|^ok - ' "$out" | tail -n 200 | sed 's/^/    /'
+    [ "$failed" -gt 0 ] && grep -avE '^\[ (RUN     |      OK) \]|^ok - ' "$out" | tail -n 200 | sed 's/^/    /'
   } >"$out.told"
   cat "$out.told" # in one piece, so that two tests do not mix
 }

@@ -30,10 +30,10 @@ typedef struct gh_reader {
   bool empty; /* the file holds nothing, which is why it could not be opened */
 } gh_reader;
 
-/* Reads the whole file ("-": standard input), at most so many MiB of it. gh_read_status, and GH_INPUT when it is missing, a
- * folder, a pipe that nobody writes into, empty, larger, or no text (a zero byte; UTF-16, archives and binary
- * meshes are named). The byte order mark of UTF-8 is dropped, and lines may end with CR LF, LF or CR alone.
- * The path is not copied. */
+/* Reads the whole file ("-": standard input), at most so many MiB of it. gh_read_status, and GH_INPUT when it
+ * is missing, a folder, a pipe that nobody writes into, empty, larger, or no text (a zero byte; UTF-16,
+ * archives and binary meshes are named). The byte order mark of UTF-8 is dropped, and lines may end with CR
+ * LF, LF or CR alone. The path is not copied. */
 gh_status gh_reader_open_most(gh_context *ctx, const char *path, int megabytes, gh_reader *reader);
 /* The same for at most 1 GiB. */
 gh_status gh_reader_open(gh_context *ctx, const char *path, gh_reader *reader);

@@ -2,8 +2,7 @@
  * SPDX-License-Identifier: GPL-2.0-or-later */
 #include "granhom/io.h"
 
-void gh_h5_start(void) {
-}
+void gh_h5_start(void) {}
 
 bool gh_h5_available(void) {
   return false;
