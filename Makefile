@@ -32,7 +32,7 @@ OPT    ?= -O0
 endif
 OPT    ?= -O3
 DEBUGGED := $(if $(filter 1,$(DEBUG))$(filter -O0,$(OPT)),-DGH_DEBUG)
-MODULES ?= base io mesh contact packing engine engine/native micro farm control macro prepare results report scene crosscheck
+MODULES ?= base io mesh contact packing engine engine/relax engine/native micro farm control macro prepare results report scene crosscheck
 
 # MPI=0: granhom's own code knows no ranks; LAMMPS keeps the MPI that it was built with. HDF5=0: results as text alone.
 MPI    ?= 1
@@ -76,7 +76,7 @@ RVE_OBJ := $(RVE_SRC:%=$(BUILD)/%.o)
 # The LAMMPS engine is loaded when it is asked for (src/engine/module.h). What it shares with the library, it has for itself.
 MODULE_SRC := $(wildcard src/engine/lammps/*.c src/engine/lammps/*.cpp)
 MODULE_OBJ := $(MODULE_SRC:%=$(BUILD)/%.o)
-MODULE_OWN := $(patsubst %,$(BUILD)/src/%.c.o,base/context base/build engine/relax engine/relax_friction engine/relax_fire)
+MODULE_OWN := $(patsubst %,$(BUILD)/src/%.c.o,base/context base/build engine/relax/relax engine/relax/relax_friction engine/relax/relax_fire)
 MODULE  := $(BUILD)/granhom-lammps.so
 VERSION := $(shell sed -n 's/^\#define GH_VERSION "\(.*\)"/\1/p' include/granhom/granhom.h)
 SONAME  := libgranhom.so.$(firstword $(subst ., ,$(VERSION)))
@@ -172,7 +172,7 @@ $(BUILD)/tests/unit/test_lean: LDFLAGS += $(COUNTED:%=-Wl,--wrap=%)
 # library, so that it can be preloaded (programs that lmp starts see it too); with other headers for the LAMMPS that loads it.
 PLUGIN := $(BUILD)/granhomplugin.so
 PLUGIN_SRC := $(filter-out %/bridge.c %/bridge_frame.c %/bridge_contacts.c %/guard.cpp %/interpose.cpp %/interpose_programs.cpp %/rebind.cpp %/module.c,$(MODULE_SRC)) \
-  $(filter src/engine/relax%,$(SRC))
+  $(filter src/engine/relax/%,$(SRC))
 $(PLUGIN): $(PLUGIN_SRC:%=$(BUILD)/%.o) scripts/granhomplugin.map
 	@echo "  LD   $@"
 	@$(CXX) -shared -Wl,--version-script=scripts/granhomplugin.map $(SAN) $(filter %.o,$^) $(if $(filter /usr/include/lammps,$(LAMMPS)),-llammps) -lumfpack -lm -o $@

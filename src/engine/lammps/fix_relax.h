@@ -5,7 +5,7 @@
 
 #include "engine/lammps/c_mpi.h"
 #include "engine/lammps/guard.h"
-#include "engine/relax_fire.h"
+#include "engine/relax/relax_fire.h"
 
 #include "fix.h"
 

@@ -4,7 +4,7 @@
 #define GRANHOM_NATIVE_HISTORY_H
 
 #include "engine/native/neighbours.h"
-#include "engine/relax_friction.h"
+#include "engine/relax/relax_friction.h"
 #include "granhom/engine.h"
 
 typedef struct gh_history {

@@ -5,7 +5,7 @@
 #include "engine/native/history.h"
 #include "engine/native/neighbours.h"
 #include "engine/ops.h"
-#include "engine/relax_fire.h"
+#include "engine/relax/relax_fire.h"
 
 #include <stdlib.h>
 #include <string.h>

@@ -2,7 +2,7 @@
 #ifndef GRANHOM_NATIVE_NEIGHBOURS_H
 #define GRANHOM_NATIVE_NEIGHBOURS_H
 
-#include "engine/relax.h"
+#include "engine/relax/relax.h"
 #include "granhom/base.h"
 
 /* Pairs of grains and of grains with their own images that are nearer than r_i + r_j + skin. */

@@ -2,7 +2,7 @@
  *
  * One loop for both: s->friction is NULL without friction. Steps are semi-implicit Euler's (velocities, then
  * positions), which J. Guénolé et al., Comput. Mater. Sci. 175, 109584 (2020) found to suit FIRE best. */
-#include "engine/relax_fire.h"
+#include "engine/relax/relax_fire.h"
 
 #include <math.h>
 #include <stdbool.h>

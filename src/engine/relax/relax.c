@@ -1,6 +1,6 @@
 /* Dynamic relaxation on a list of neighbour pairs (dissertation 4.4). SPDX-License-Identifier:
  * GPL-2.0-or-later */
-#include "engine/relax.h"
+#include "engine/relax/relax.h"
 
 #include "contact/normal.h"
 

@@ -4,7 +4,7 @@
 #ifndef GRANHOM_ENGINE_RELAX_FRICTION_H
 #define GRANHOM_ENGINE_RELAX_FRICTION_H
 
-#include "engine/relax.h"
+#include "engine/relax/relax.h"
 #include "granhom/contact.h"
 
 #ifdef __cplusplus

@@ -3,7 +3,7 @@
 #ifndef GRANHOM_ENGINE_RELAX_FIRE_H
 #define GRANHOM_ENGINE_RELAX_FIRE_H
 
-#include "engine/relax_friction.h"
+#include "engine/relax/relax_friction.h"
 
 #ifdef __cplusplus
 extern "C" {

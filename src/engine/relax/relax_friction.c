@@ -1,6 +1,6 @@
 /* Dynamic relaxation with friction on a list of neighbour pairs (dissertation 4.4, chapter 7).
  * SPDX-License-Identifier: GPL-2.0-or-later */
-#include "engine/relax_friction.h"
+#include "engine/relax/relax_friction.h"
 
 #include "contact/coulomb.h"
 
