@@ -16,7 +16,7 @@ for name in 'with a blank' "quote ' and \"" 'dollar $(touch pwned) & ;#'; do
   mkdir "$work/$name"
   export TMPDIR="$work/$name"
   rve; check "TMPDIR $name: exit 0" test $? = 0
-  check "  nothing is left" test -z "$(ls -A "$TMPDIR")"
+  check "  nothing is left" test -z "$(ls -A "$TMPDIR" | grep -v "^ompi[.]")" # Open MPI 5 leaves a folder
   # a stand-in for LIGGGHTS that reports how it was called
   cat >"sub $name" <<'E2'
 #!/bin/sh
@@ -27,7 +27,7 @@ E2
   chmod +x "sub $name"
   cross --liggghts "./sub $name" -o "cross $name"
   check "  a program by a name with the same: called without a shell" grep -q 'status 3: ERROR: called well' table
-  check "  nothing is left" test -z "$(ls -A "$TMPDIR")"
+  check "  nothing is left" test -z "$(ls -A "$TMPDIR" | grep -v "^ompi[.]")" # Open MPI 5 leaves a folder
   mkdir "bin $name" && cp "sub $name" "bin $name/stand-in"
   PATH="$PATH:$work/bin $name" cross --liggghts stand-in -o "path $name"
   check "  found in PATH" grep -q 'ERROR: called well' table
