@@ -61,7 +61,7 @@ static gh_status study_work(gh_context *ctx, void *data) {
 
 const cli_command cli_study = {
     .name = "study",
-    .summary = "one problem with many settings: error against run time",
+    .summary = "one problem with many configurations: error against run time",
     .usage = "usage: granhom study STUDY.yaml -o DIR [options]\n"
              "       mpirun -n N granhom study STUDY.yaml -o DIR [options]\n"
              "       granhom study STUDY.yaml --explain\n",

@@ -1,4 +1,4 @@
-/* The curves of a setting against those of its reference. SPDX-License-Identifier: GPL-2.0-or-later */
+/* The curves of a configuration against those of its reference. SPDX-License-Identifier: GPL-2.0-or-later */
 #include "study/judge.h"
 
 #include <stdlib.h>
@@ -20,13 +20,13 @@ int study_curve_at(const study_curve *c, double t) {
   return fabs(c->t[low] - t) <= near ? low : -1;
 }
 
-const study_curve *study_first_curve(const study_setting *g) {
+const study_curve *study_first_curve(const study_config *g) {
   for (int m = 0; m < g->nruns; m++)
     if (study_run_done(g->runs + m)) return &g->runs[m].curve;
   return NULL;
 }
 
-study_sample study_members_at(const gh_study *s, const study_setting *g, double t, int column) {
+study_sample study_members_at(const gh_study *s, const study_config *g, double t, int column) {
   study_sample x = {0};
   double squares = 0, first = 0; /* members that are equal have exactly that mean */
   for (int pass = 0; pass < 2; pass++) {
@@ -55,8 +55,9 @@ typedef struct comparison {
   int na, nb, points, columns;
   bool paired;
   double student_a, student_b; /* quantiles for as many members */
-  const study_curve **curve;   /* na of the setting, then nb of the reference; paired: in the same order */
-  int *row;                    /* (na + nb) x points */
+  const study_curve *
+      *curve; /* na of the configuration, then nb of the reference; paired: in the same order */
+  int *row;   /* (na + nb) x points */
 } comparison;
 
 static double value(const comparison *c, int member, int point, int column) {
@@ -83,7 +84,7 @@ static study_sample sample(const comparison *c, int first, int n, int minus, int
 }
 
 /* Both have the same packings, one after the other. */
-static bool same_packings(const study_setting *a, const study_setting *b) {
+static bool same_packings(const study_config *a, const study_config *b) {
   if (a->nruns != b->nruns) return false;
   for (int m = 0; m < a->nruns; m++) {
     const char *p = a->runs[m].packing, *q = b->runs[m].packing;
@@ -93,8 +94,8 @@ static bool same_packings(const study_setting *a, const study_setting *b) {
 }
 
 /* Which curves are compared. */
-static gh_status choose(const gh_study *s, const study_setting *g, comparison *c) {
-  const study_setting *r = g->reference >= 0 ? s->settings + g->reference : NULL;
+static gh_status choose(const gh_study *s, const study_config *g, comparison *c) {
+  const study_config *r = g->reference >= 0 ? s->configs + g->reference : NULL;
   size_t most = (size_t)g->nruns + (r ? (size_t)r->nruns : 1);
   GH_TRY(gh_alloc(s->ctx, most, sizeof *c->curve, &c->curve));
   c->columns = s->ncolumns;
@@ -187,9 +188,9 @@ static void compare_quantity(const comparison *c, const study_quantity *q, int k
 }
 
 /* Why there is nothing to compare; NULL: there is. */
-static const char *obstacle(const gh_study *s, const study_setting *g, const comparison *c) {
+static const char *obstacle(const gh_study *s, const study_config *g, const comparison *c) {
   if (!study_first_curve(g)) return "no run came to the end";
-  if (g->reference >= 0 ? !study_first_curve(s->settings + g->reference) : c->nb == 0)
+  if (g->reference >= 0 ? !study_first_curve(s->configs + g->reference) : c->nb == 0)
     return "its reference did not come to the end";
   if (c->na == 0) return "no packing came to the end both here and in the reference";
   return NULL;
@@ -204,7 +205,7 @@ static const char *unknown(const comparison *c, const study_quantity *q) {
   return "the reference is zero throughout";
 }
 
-gh_status study_compare(const gh_study *s, const study_setting *g, study_judged *row) {
+gh_status study_compare(const gh_study *s, const study_config *g, study_judged *row) {
   comparison c = {0};
   gh_status status = choose(s, g, &c);
   if (status == GH_OK) {

@@ -28,12 +28,12 @@ gh_status study_draw_curves(const gh_study *s, const char *folder);
 enum { STUDY_PLOT_WIDTH = 1000, STUDY_PLOT_HEIGHT = 600 };
 
 /* Over what the error is drawn. */
-typedef enum study_over { OVER_CORE, OVER_COUNT, OVER_KNOB } study_over;
+typedef enum study_over { OVER_CORE, OVER_COUNT, OVER_PARAMETER } study_over;
 
 typedef struct study_plot {
   const gh_study *s;
   study_over over;
-  int knob;                /* its values are the points of one curve */
+  int parameter;           /* its values are the points of one curve */
   double floor;            /* where zeros are drawn */
   bool zeros, bars, front; /* there are some */
   double x[2], y[2];       /* ends of the points */
@@ -42,11 +42,11 @@ typedef struct study_plot {
   int points;
 } study_plot;
 
-double study_plot_x_of(const study_plot *p, int setting);
-double study_plot_y_of(const study_plot *p, int setting);
-bool study_plot_drawn(const study_plot *p, int setting);
-/* It is the first of the settings of a curve that is drawn. */
-bool study_plot_begins_curve(const study_plot *p, int setting);
+double study_plot_x_of(const study_plot *p, int config);
+double study_plot_y_of(const study_plot *p, int config);
+bool study_plot_drawn(const study_plot *p, int config);
+/* It is the first of the configurations of a curve that is drawn. */
+bool study_plot_begins_curve(const study_plot *p, int config);
 /* Finds the ends, the number of points, floor, zeros and bars. */
 void study_plot_measure(study_plot *p);
 void study_plot_axes(study_plot *p, const char *x_label, gh_text *t);
@@ -56,7 +56,7 @@ void study_plot_curves(const study_plot *p, gh_text *t);
 
 /* ---- draw_labels.c ---- */
 
-/* Each point's value of the knob beside it where there is room; after the axes. */
+/* Each point's value of the parameter beside it where there is room; after the axes. */
 gh_status study_plot_labels(const study_plot *p, gh_text *t);
 
 /* ---- draw_rows.c: which curves stand together in curves.png ---- */
@@ -67,14 +67,14 @@ typedef struct study_line {
   double width;
 } study_line;
 
-/* Rows of panels. Few curves, or those of one knob alone, are one row without a name. More of them are a row
- * for each group (combination of the knobs beside the series) with the series' values as its curves; below
- * them, where groups are few, all groups for the last value of the series that all of them have. */
+/* Rows of panels. Few curves, or those of one parameter alone, are one row without a name. More of them are a
+ * row for each group (combination of the parameters beside the series) with the series' values as its curves;
+ * below them, where groups are few, all groups for the last value of the series that all of them have. */
 typedef struct study_rows {
   const gh_study *s;
   bool grouped;
-  int ngroups, *first; /* a setting of each group */
-  int *group, *colour; /* nsettings: -1: it is not drawn, or is the reference of all */
+  int ngroups, *first; /* a configuration of each group */
+  int *group, *colour; /* nconfigs: -1: it is not drawn, or is the reference of all */
   int compared;        /* choice of the series in the last row; -1: there is no such row */
   int extra;           /* a reference that is no row of the study but that of all; -1: there is none */
 } study_rows;
@@ -83,8 +83,8 @@ typedef struct study_rows {
 gh_status study_rows_plan(const gh_study *s, study_rows *r);
 void study_rows_free(study_rows *r);
 int study_rows_count(const study_rows *r);
-/* Whether a setting has a curve in a row, and how it looks. */
-bool study_rows_line(const study_rows *r, int row, int setting, study_line *line);
+/* Whether a configuration has a curve in a row, and how it looks. */
+bool study_rows_line(const study_rows *r, int row, int config, study_line *line);
 /* What stands above a row: "periodic (reference: p2400-*)"; "". */
 void study_rows_name(const study_rows *r, int row, char name[STUDY_NAME]);
 /* There is a curve that comes from no run: a closed form, a file. */

@@ -70,7 +70,7 @@ gh_status study_picture(const gh_study *s, const char *folder, const char *name,
 
 double study_zero_floor(const gh_study *s) {
   double smallest = INFINITY;
-  for (int k = 0; k < s->nsettings; k++) {
+  for (int k = 0; k < s->nconfigs; k++) {
     if (study_is_rated(s, k) && study_error_of(s, k) > 0) smallest = fmin(smallest, study_error_of(s, k));
   }
   return isfinite(smallest) ? smallest / 10 : 1e-16;

@@ -1,4 +1,4 @@
-/* Columns over t, one curve for each setting, with the scatter of the packings.
+/* Columns over t, one curve for each configuration, with the scatter of the packings.
  * SPDX-License-Identifier: GPL-2.0-or-later */
 #include "study/draw.h"
 
@@ -42,13 +42,13 @@ static void include(double range[2], double low, double high) {
 /* t, then mean and standard deviation of each plotted column. */
 static void write_curve(figure *f, int k, gh_text *t) {
   const gh_study *s = f->s;
-  const study_curve *first = study_first_curve(s->settings + k);
+  const study_curve *first = study_first_curve(s->configs + k);
   gh_text_print(t, "$curve%d << EOD\n", k);
   for (int row = 0; row < first->n; row++) {
-    if (study_members_at(s, s->settings + k, first->t[row], 0).n == 0) continue;
+    if (study_members_at(s, s->configs + k, first->t[row], 0).n == 0) continue;
     gh_text_print(t, "%.17g", first->t[row]);
     for (int c = 0; c < s->nplots; c++) {
-      study_sample x = study_members_at(s, s->settings + k, first->t[row], s->plots[c]);
+      study_sample x = study_members_at(s, s->configs + k, first->t[row], s->plots[c]);
       gh_text_print(t, " %.17g %.17g", x.mean, x.deviation);
       include(f->y[c], x.mean - x.deviation, x.mean + x.deviation);
     }
@@ -77,7 +77,7 @@ static void write_data(figure *f, gh_text *t) {
   study_line line;
   f->t[0] = INFINITY, f->t[1] = -INFINITY;
   for (int c = 0; c < f->s->nplots; c++) f->y[c][0] = INFINITY, f->y[c][1] = -INFINITY;
-  for (int k = 0; k < f->s->nsettings; k++)
+  for (int k = 0; k < f->s->nconfigs; k++)
     if (f->rows.group[k] >= 0 || k == f->rows.extra) write_curve(f, k, t);
   if (study_rows_given(&f->rows, &line)) write_given(f, t);
 }
@@ -86,7 +86,7 @@ static void write_data(figure *f, gh_text *t) {
 
 /* Of the line between two rows of a curve, at t: mean and deviation of each plotted column. */
 static void write_bar(const figure *f, int k, double t, gh_text *out) {
-  const study_setting *g = f->s->settings + k;
+  const study_config *g = f->s->configs + k;
   const study_curve *c = study_first_curve(g);
   int row = 0;
   while (row < c->n - 2 && c->t[row + 1] < t) row++;
@@ -103,7 +103,7 @@ static void write_bar(const figure *f, int k, double t, gh_text *out) {
 }
 
 static bool has_bars(const figure *f, int k) {
-  return f->s->verdict->row[k].members > 1 && study_first_curve(f->s->settings + k)->n > 1;
+  return f->s->verdict->row[k].members > 1 && study_first_curve(f->s->configs + k)->n > 1;
 }
 
 /* Some bars on each curve, back from its end; those of different curves stand beside each other, so that they
@@ -113,9 +113,9 @@ static void write_bar_data(const figure *f, int row, gh_text *t) {
   study_line line;
   if (most > BARS) most = BARS;
   if (most < 4) most = 4;
-  for (int k = 0; k < f->s->nsettings; k++) {
+  for (int k = 0; k < f->s->nconfigs; k++) {
     if (!study_rows_line(&f->rows, row, k, &line)) continue;
-    const study_curve *c = study_first_curve(f->s->settings + k);
+    const study_curve *c = study_first_curve(f->s->configs + k);
     double beside = 0.8 * number++ / f->curves;
     if (!has_bars(f, k)) continue;
     int every = (c->n + most - 1) / most, bars = (c->n - 1) / every;
@@ -130,7 +130,7 @@ static void write_bar_data(const figure *f, int row, gh_text *t) {
 static void write_bars(const figure *f, int row, int plot, gh_text *t) {
   const int mean = 2 + 2 * plot, deviation = mean + 1;
   study_line line;
-  for (int k = 0; k < f->s->nsettings; k++)
+  for (int k = 0; k < f->s->nconfigs; k++)
     if (study_rows_line(&f->rows, row, k, &line) && has_bars(f, k))
       gh_text_print(
           t, "$bars%d_%d using 1:($%d-$%d):(0):(2*$%d) with vectors nohead lc rgb '%s' lw 0.8 notitle, ", row,
@@ -140,7 +140,7 @@ static void write_bars(const figure *f, int row, int plot, gh_text *t) {
 static void write_lines(const figure *f, int row, int plot, gh_text *t) {
   const char *comma = "";
   study_line line;
-  for (int k = 0; k < f->s->nsettings; k++) {
+  for (int k = 0; k < f->s->nconfigs; k++) {
     if (!study_rows_line(&f->rows, row, k, &line)) continue;
     gh_text_print(t, "%s$curve%d using 1:%d with lines lc rgb '%s' lw %g dt %d notitle", comma, k,
                   2 + 2 * plot, line.colour, line.width, line.dash);
@@ -156,7 +156,7 @@ static void count_curves(figure *f) {
   study_line line;
   for (int row = 0; row < study_rows_count(&f->rows); row++) {
     int n = 0;
-    for (int k = 0; k < f->s->nsettings; k++) n += study_rows_line(&f->rows, row, k, &line);
+    for (int k = 0; k < f->s->nconfigs; k++) n += study_rows_line(&f->rows, row, k, &line);
     if (n > f->curves) f->curves = n;
   }
 }

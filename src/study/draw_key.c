@@ -22,7 +22,7 @@ static const char *mark(const gh_study *s, int k) {
 
 /* What has no colour of its own is named together. */
 static void add_others(const study_rows *r, study_key *key) {
-  for (int k = 0; k < r->s->nsettings; k++)
+  for (int k = 0; k < r->s->nconfigs; k++)
     if (r->colour[k] >= STUDY_COLOURS) {
       add(key, "others", "", (study_line){study_colour(STUDY_COLOURS), 1, 1.1}, false);
       return;
@@ -32,22 +32,22 @@ static void add_others(const study_rows *r, study_key *key) {
 static void add_curves(const study_rows *r, study_key *key) {
   char name[STUDY_NAME];
   study_line line;
-  for (int k = 0; k < r->s->nsettings; k++) {
+  for (int k = 0; k < r->s->nconfigs; k++) {
     if (r->group[k] < 0 || r->colour[k] >= STUDY_COLOURS || !study_rows_line(r, 0, k, &line)) continue;
     study_legend(r->s, k, -1, name, sizeof name);
     add(key, name, mark(r->s, k), line, false);
   }
 }
 
-/* Values of the series; the names of the rows say which of them are references. */
+/* Values of the series; the names of the rows state which of them are references. */
 static void add_series(const study_rows *r, study_key *key) {
   char name[STUDY_NAME];
   study_line line;
-  const study_knob *knob = r->s->knobs + r->s->series;
-  add(key, knob->name, "", (study_line){"", 1, 0}, true);
-  for (int v = 0; v < knob->nvalues && v < STUDY_COLOURS; v++) {
+  const study_parameter *parameter = r->s->parameters + r->s->series;
+  add(key, parameter->name, "", (study_line){"", 1, 0}, true);
+  for (int v = 0; v < parameter->nvalues && v < STUDY_COLOURS; v++) {
     int some = -1;
-    for (int k = r->s->nsettings - 1; k >= 0; k--)
+    for (int k = r->s->nconfigs - 1; k >= 0; k--)
       if (r->colour[k] == v) some = k;
     if (some < 0) continue;
     study_rows_line(r, r->group[some], some, &line);
@@ -60,7 +60,7 @@ static void add_compared(const study_rows *r, study_key *key) {
   char name[STUDY_NAME];
   study_line line;
   add(key, "comparison", "", (study_line){"", 1, 0}, true);
-  for (int k = 0; k < r->s->nsettings; k++) {
+  for (int k = 0; k < r->s->nconfigs; k++) {
     if (r->group[k] < 0 || !study_rows_line(r, r->ngroups, k, &line)) continue;
     study_legend(r->s, k, r->s->series, name, sizeof name);
     add(key, name, mark(r->s, k), line, false);

@@ -44,19 +44,19 @@ static bool place_label(const study_plot *p, int k, int letters, const box *take
 gh_status study_plot_labels(const study_plot *p, gh_text *t) {
   box *taken;
   int n = 0, side;
-  if (p->s->nknobs == 0) return GH_OK;
+  if (p->s->nparameters == 0) return GH_OK;
   GH_TRY(gh_alloc(p->s->ctx, 2 * (size_t)p->points, sizeof *taken, &taken));
-  for (int k = 0; k < p->s->nsettings; k++) {
+  for (int k = 0; k < p->s->nconfigs; k++) {
     if (!study_plot_drawn(p, k)) continue;
     double x = share(p->x_axis, study_plot_x_of(p, k)), y = share(p->y_axis, study_plot_y_of(p, k));
     taken[n++] = (box){{x - POINT, x + POINT}, {y - POINT, y + POINT}};
   }
-  for (int first = 0, curve = 0; first < p->s->nsettings; first++) {
+  for (int first = 0, curve = 0; first < p->s->nconfigs; first++) {
     if (!study_plot_begins_curve(p, first)) continue;
-    for (int k = first; k < p->s->nsettings; k++) {
+    for (int k = first; k < p->s->nconfigs; k++) {
       char text[STUDY_NAME];
-      if (!study_plot_drawn(p, k) || !study_alike(p->s, k, first, p->knob)) continue;
-      study_short_value(p->s, k, p->knob, text, sizeof text);
+      if (!study_plot_drawn(p, k) || !study_alike(p->s, k, first, p->parameter)) continue;
+      study_short_value(p->s, k, p->parameter, text, sizeof text);
       if (!place_label(p, k, (int)strlen(text), taken, n, &side, taken + n)) continue;
       n++;
       gh_text_print(t, "set label ");

@@ -1,11 +1,12 @@
-/* Error over the knob whose order of convergence is asked for. SPDX-License-Identifier: GPL-2.0-or-later */
+/* Error over the parameter whose order of convergence is measured. SPDX-License-Identifier: GPL-2.0-or-later
+ */
 #include "study/draw.h"
 
 /* Dashed lines of order 1 and 2 below the coarsest point, each with its name where it leaves the picture. */
 static void write_slopes(const study_plot *p, gh_text *t) {
   bool grows = p->s->verdict->grows;
   double x0 = grows ? INFINITY : 0, y0 = 0;
-  for (int k = 0; k < p->s->nsettings; k++) {
+  for (int k = 0; k < p->s->nconfigs; k++) {
     if (!study_plot_drawn(p, k) || study_error_of(p->s, k) == 0) continue;
     double x = study_plot_x_of(p, k), y = study_plot_y_of(p, k);
     if (grows ? x < x0 : x > x0) x0 = x, y0 = y;
@@ -29,29 +30,29 @@ static void write_slopes(const study_plot *p, gh_text *t) {
 }
 
 /* The values themselves as marks where there are few. */
-static void write_knob_marks(const study_plot *p, gh_text *t) {
-  const study_knob *knob = p->s->knobs + p->knob;
+static void write_parameter_marks(const study_plot *p, gh_text *t) {
+  const study_parameter *parameter = p->s->parameters + p->parameter;
   const char *comma = "";
-  if (knob->nvalues > 12) return;
+  if (parameter->nvalues > 12) return;
   gh_text_print(t, "set xtics (");
-  for (int v = 0; v < knob->nvalues; v++) {
-    if (!(knob->number[v] > 0)) continue;
+  for (int v = 0; v < parameter->nvalues; v++) {
+    if (!(parameter->number[v] > 0)) continue;
     gh_text_print(t, "%s", comma);
-    gh_picture_string(t, knob->value[v]);
-    gh_text_print(t, " %.17g", knob->number[v]);
+    gh_picture_string(t, parameter->value[v]);
+    gh_text_print(t, " %.17g", parameter->number[v]);
     comma = ", ";
   }
   gh_text_print(t, ") noenhanced\n");
 }
 
 gh_status study_draw_order(const gh_study *s, const char *folder) {
-  study_plot p = {.s = s, .over = OVER_KNOB, .knob = s->order};
+  study_plot p = {.s = s, .over = OVER_PARAMETER, .parameter = s->order};
   gh_text *t;
   study_plot_measure(&p);
   if (p.points == 0) return GH_OK;
   GH_TRY(gh_text_create(s->ctx, &t));
-  study_plot_axes(&p, s->knobs[s->order].name, t);
-  write_knob_marks(&p, t);
+  study_plot_axes(&p, s->parameters[s->order].name, t);
+  write_parameter_marks(&p, t);
   write_slopes(&p, t);
   study_plot_data(&p, t);
   gh_text_print(t, "plot ");

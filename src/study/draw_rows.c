@@ -11,24 +11,24 @@ static const char *const BLACK = "#000000";
 /* ---- groups ---- */
 
 static bool has_curve(const gh_study *s, int k) {
-  return !s->settings[k].extra && study_first_curve(s->settings + k);
+  return !s->configs[k].extra && study_first_curve(s->configs + k);
 }
 
-/* An extra setting is drawn where it is the only one, as the reference of all. */
+/* An extra configuration is drawn where it is the only one, as the reference of all. */
 static int only_extra(const gh_study *s) {
   int extra = -1;
-  for (int k = 0; k < s->nsettings; k++) {
-    if (!s->settings[k].extra) continue;
+  for (int k = 0; k < s->nconfigs; k++) {
+    if (!s->configs[k].extra) continue;
     if (extra >= 0) return -1;
     extra = k;
   }
-  return extra >= 0 && study_first_curve(s->settings + extra) ? extra : -1;
+  return extra >= 0 && study_first_curve(s->configs + extra) ? extra : -1;
 }
 
 /* Fills group and first; returns the number of curves. */
 static int find_groups(study_rows *r) {
   int curves = 0;
-  for (int k = 0; k < r->s->nsettings; k++) {
+  for (int k = 0; k < r->s->nconfigs; k++) {
     r->group[k] = -1;
     if (!has_curve(r->s, k)) continue;
     curves++;
@@ -43,36 +43,36 @@ static int find_groups(study_rows *r) {
 
 /* Rows of one curve each would compare nothing. */
 static bool has_series(const study_rows *r) {
-  for (int k = 0; k < r->s->nsettings; k++)
+  for (int k = 0; k < r->s->nconfigs; k++)
     if (r->group[k] >= 0 && r->first[r->group[k]] != k) return true;
   return false;
 }
 
 static bool all_groups_have(const study_rows *r, int choice) {
   int have = 0;
-  for (int k = 0; k < r->s->nsettings; k++)
-    have += r->group[k] >= 0 && r->s->settings[k].choice[r->s->series] == choice;
+  for (int k = 0; k < r->s->nconfigs; k++)
+    have += r->group[k] >= 0 && r->s->configs[k].choice[r->s->series] == choice;
   return have == r->ngroups;
 }
 
 static void find_compared(study_rows *r) {
-  for (int v = r->s->knobs[r->s->series].nvalues - 1; v >= 0 && r->compared < 0; v--)
+  for (int v = r->s->parameters[r->s->series].nvalues - 1; v >= 0 && r->compared < 0; v--)
     if (all_groups_have(r, v)) r->compared = v;
 }
 
 /* In groups the series has the colours, else each curve has one of its own. */
 static void choose_colours(study_rows *r) {
-  for (int k = 0, number = 0; k < r->s->nsettings; k++) {
+  for (int k = 0, number = 0; k < r->s->nconfigs; k++) {
     r->colour[k] = -1;
     if (r->group[k] < 0) continue;
-    r->colour[k] = r->grouped ? r->s->settings[k].choice[r->s->series] : number++;
+    r->colour[k] = r->grouped ? r->s->configs[k].choice[r->s->series] : number++;
     if (!r->grouped) r->group[k] = 0;
   }
 }
 
 gh_status study_rows_plan(const gh_study *s, study_rows *r) {
   *r = (study_rows){.s = s, .compared = -1, .extra = only_extra(s)};
-  size_t n = (size_t)s->nsettings;
+  size_t n = (size_t)s->nconfigs;
   GH_TRY(gh_alloc(s->ctx, n, sizeof *r->first, &r->first));
   GH_TRY(gh_alloc(s->ctx, n, sizeof *r->group, &r->group));
   GH_TRY(gh_alloc(s->ctx, n, sizeof *r->colour, &r->colour));
@@ -106,12 +106,12 @@ bool study_rows_line(const study_rows *r, int row, int k, study_line *line) {
     return r->group[k] == row;
   }
   *line = (study_line){group_colour[r->group[k]], 1, 1.1};
-  return r->s->settings[k].choice[r->s->series] == r->compared;
+  return r->s->configs[k].choice[r->s->series] == r->compared;
 }
 
 bool study_rows_given(const study_rows *r, study_line *line) {
   *line = (study_line){BLACK, 2, 1.6};
-  return r->s->reference != STUDY_SETTING && r->s->given.n > 0;
+  return r->s->reference != STUDY_CONFIG && r->s->given.n > 0;
 }
 
 /* ---- names ---- */
@@ -125,14 +125,14 @@ static void append(char text[STUDY_NAME], const char *before, const char *more) 
 static void name_references(const study_rows *r, int group, char name[STUDY_NAME]) {
   char value[128];
   int curves = 0, references = 0;
-  for (int k = 0; k < r->s->nsettings; k++) {
+  for (int k = 0; k < r->s->nconfigs; k++) {
     if (r->group[k] != group) continue;
     curves++;
     references += study_is_reference(r->s, k);
   }
   if (references == 0) return;
   append(name, " (reference", references == curves ? "" : ": ");
-  for (int k = 0, n = 0; k < r->s->nsettings && references < curves; k++) {
+  for (int k = 0, n = 0; k < r->s->nconfigs && references < curves; k++) {
     if (r->group[k] != group || !study_is_reference(r->s, k)) continue;
     study_short_value(r->s, k, r->s->series, value, sizeof value);
     append(name, n++ ? ", " : "", value);
@@ -149,8 +149,8 @@ void study_rows_name(const study_rows *r, int row, char name[STUDY_NAME]) {
     return;
   }
   char value[128] = "";
-  for (int k = r->s->nsettings - 1; k >= 0; k--)
-    if (r->group[k] >= 0 && r->s->settings[k].choice[r->s->series] == r->compared)
+  for (int k = r->s->nconfigs - 1; k >= 0; k--)
+    if (r->group[k] >= 0 && r->s->configs[k].choice[r->s->series] == r->compared)
       study_short_value(r->s, k, r->s->series, value, sizeof value);
-  snprintf(name, STUDY_NAME, "comparison for %s %s", r->s->knobs[r->s->series].name, value);
+  snprintf(name, STUDY_NAME, "comparison for %s %s", r->s->parameters[r->s->series].name, value);
 }

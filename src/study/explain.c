@@ -4,13 +4,13 @@
 
 #include <string.h>
 
-static void knobs(const gh_study *s, gh_text *out) {
-  for (int k = 0; k < s->nknobs; k++) {
-    const study_knob *knob = s->knobs + k;
-    gh_text_print(out, "  varied: %s:", knob->name);
-    for (int j = 0; j < knob->nvalues; j++) {
+static void parameters(const gh_study *s, gh_text *out) {
+  for (int k = 0; k < s->nparameters; k++) {
+    const study_parameter *parameter = s->parameters + k;
+    gh_text_print(out, "  varied: %s:", parameter->name);
+    for (int j = 0; j < parameter->nvalues; j++) {
       gh_text_print(out, "%s ", j ? "," : "");
-      study_print_plain(out, STUDY_PLAIN, knob->value[j]);
+      study_print_plain(out, STUDY_PLAIN, parameter->value[j]);
     }
     gh_text_print(out, "%s%s\n", k == s->series ? "; points of a curve" : "",
                   k == s->order ? "; order of convergence" : "");
@@ -23,33 +23,34 @@ static void knobs(const gh_study *s, gh_text *out) {
   }
 }
 
-/* Packings of the settings, where the study names some. */
+/* Packings of the configurations, where the study names some. */
 static void members(const gh_study *s, gh_text *out) {
-  int least = s->settings[0].nruns, most = least;
-  for (int k = 0; k < s->nsettings; k++) {
-    if (s->settings[k].nruns < least) least = s->settings[k].nruns;
-    if (s->settings[k].nruns > most) most = s->settings[k].nruns;
+  int least = s->configs[0].nruns, most = least;
+  for (int k = 0; k < s->nconfigs; k++) {
+    if (s->configs[k].nruns < least) least = s->configs[k].nruns;
+    if (s->configs[k].nruns > most) most = s->configs[k].nruns;
   }
   if (most == 1) return;
   if (least == most)
-    gh_text_print(out, "  packings: %d for each setting; errors are those of their mean\n", most);
+    gh_text_print(out, "  packings: %d for each configuration; errors are those of their mean\n", most);
   else
-    gh_text_print(out, "  packings: %d to %d for a setting; errors are those of their mean\n", least, most);
+    gh_text_print(out, "  packings: %d to %d for a configuration; errors are those of their mean\n", least,
+                  most);
 }
 
 void gh_study_explain(const gh_study *s, gh_text *out) {
   int rows = 0, runs = 0;
-  for (int k = 0; k < s->nsettings; k++) {
-    rows += !s->settings[k].extra;
-    runs += s->settings[k].nruns;
+  for (int k = 0; k < s->nconfigs; k++) {
+    rows += !s->configs[k].extra;
+    runs += s->configs[k].nruns;
   }
   gh_text_print(out, "%s%s\n", s->title, s->quick ? " (quick)" : "");
   if (s->scene) gh_text_print(out, "  problem: the scene %s\n", s->scene_path);
   else gh_text_print(out, "  problem: one packing along a path\n");
-  knobs(s, out);
+  parameters(s, out);
   members(s, out);
-  gh_text_print(out, "  settings: %d, and %d more as references; %d runs in all\n", rows, s->nsettings - rows,
-                runs);
+  gh_text_print(out, "  configurations: %d, and %d more as references; %d runs in all\n", rows,
+                s->nconfigs - rows, runs);
   gh_text_print(out, "  reference: %s\n  compared:", s->reference_text);
   for (int k = 0; k < s->nquantities; k++) gh_text_print(out, "%s %s", k ? "," : "", s->quantities[k].name);
   gh_text_print(out, "\n  goals:");

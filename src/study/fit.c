@@ -6,37 +6,37 @@
 static const double ROUND_OFF = 1e-13; /* an error below is none */
 
 typedef struct point {
-  double x, error; /* x: log of the knob, growing from coarse to fine */
-  int setting;
+  double x, error; /* x: log of the parameter, growing from coarse to fine */
+  int config;
 } point;
 
-static double knob_of(const gh_study *s, int setting) {
-  const study_setting *g = s->settings + setting;
+static double parameter_of(const gh_study *s, int config) {
+  const study_config *g = s->configs + config;
   double number = NAN;
-  if (g->choice[s->order] >= 0) return s->knobs[s->order].number[g->choice[s->order]];
+  if (g->choice[s->order] >= 0) return s->parameters[s->order].number[g->choice[s->order]];
   return gh_parse_number(g->value[s->order], &number) ? number : NAN;
 }
 
-static bool usable(const gh_study *s, int setting) {
-  return study_is_rated(s, setting) && knob_of(s, setting) > 0;
+static bool usable(const gh_study *s, int config) {
+  return study_is_rated(s, config) && parameter_of(s, config) > 0;
 }
 
 /* Whether larger values are finer: the reference lies on the fine side; where it does not differ in this
- * knob, the errors tell. */
-static bool knob_grows(const gh_study *s) {
+ * parameter, the errors decide. */
+static bool parameter_grows(const gh_study *s) {
   double sum = 0;
-  for (int k = 0; k < s->nsettings; k++) {
-    int r = s->settings[k].reference;
+  for (int k = 0; k < s->nconfigs; k++) {
+    int r = s->configs[k].reference;
     if (!usable(s, k) || r < 0) continue;
-    double there = knob_of(s, r), here = knob_of(s, k);
+    double there = parameter_of(s, r), here = parameter_of(s, k);
     if (isfinite(there) && there != here) sum += there > here ? 1 : -1;
   }
   if (sum != 0) return sum > 0;
-  for (int a = 0; a < s->nsettings; a++)
+  for (int a = 0; a < s->nconfigs; a++)
     for (int b = 0; b < a; b++) {
       if (!usable(s, a) || !usable(s, b) || !study_alike(s, a, b, s->order)) continue;
       double ea = fmax(study_error_of(s, a), ROUND_OFF), eb = fmax(study_error_of(s, b), ROUND_OFF);
-      sum -= log(ea / eb) * log(knob_of(s, a) / knob_of(s, b));
+      sum -= log(ea / eb) * log(parameter_of(s, a) / parameter_of(s, b));
     }
   return sum >= 0;
 }
@@ -46,12 +46,12 @@ static int by_x(const void *a, const void *b) {
   return p->x < q->x ? -1 : p->x > q->x;
 }
 
-/* The settings that differ from `first` in the order knob alone, from coarse to fine. */
+/* The configurations that differ from `first` in the order parameter alone, from coarse to fine. */
 static int collect(const gh_study *s, int first, point *p) {
   int n = 0;
-  for (int k = first; k < s->nsettings; k++)
+  for (int k = first; k < s->nconfigs; k++)
     if (usable(s, k) && study_alike(s, k, first, s->order))
-      p[n++] = (point){(s->verdict->grows ? 1 : -1) * log(knob_of(s, k)), study_error_of(s, k), k};
+      p[n++] = (point){(s->verdict->grows ? 1 : -1) * log(parameter_of(s, k)), study_error_of(s, k), k};
   qsort(p, (size_t)n, sizeof *p, by_x);
   return n;
 }
@@ -97,8 +97,8 @@ static double slope(const point *p, int n) {
 }
 
 static void fit(gh_study *s, const point *p, int n, struct study_fit *f) {
-  int first = 0, knob = s->order;
-#define CHOICE(k) s->settings[p[k].setting].choice[knob]
+  int first = 0, parameter = s->order;
+#define CHOICE(k) s->configs[p[k].config].choice[parameter]
   f->order = NAN;
   f->from = f->to = f->up_from = f->up_to = -1;
   f->monotone = true;
@@ -106,7 +106,7 @@ static void fit(gh_study *s, const point *p, int n, struct study_fit *f) {
     f->monotone = p[k].error < p[k - 1].error || p[k].error <= ROUND_OFF;
     if (!f->monotone) f->up_from = CHOICE(k - 1), f->up_to = CHOICE(k);
   }
-  for (int k = 1; k < n; k++) s->verdict->row[p[k].setting].order = order_at(p, k);
+  for (int k = 1; k < n; k++) s->verdict->row[p[k].config].order = order_at(p, k);
   int used = longest_fall(p, n, 10 * find_floor(p, n), &first);
   if (used < 2) return;
   f->order = slope(p + first, used);
@@ -117,11 +117,11 @@ static void fit(gh_study *s, const point *p, int n, struct study_fit *f) {
 gh_status study_fit_orders(gh_study *s) {
   study_verdict *v = s->verdict;
   point *p;
-  GH_TRY(gh_alloc(s->ctx, (size_t)s->nsettings, sizeof *v->fits, &v->fits));
-  GH_TRY(gh_alloc(s->ctx, (size_t)s->nsettings, sizeof *p, &p));
-  v->grows = knob_grows(s);
-  for (int k = 0; k < s->nsettings; k++) {
-    if (s->settings[k].extra || !study_first_alike(s, k, s->order)) continue;
+  GH_TRY(gh_alloc(s->ctx, (size_t)s->nconfigs, sizeof *v->fits, &v->fits));
+  GH_TRY(gh_alloc(s->ctx, (size_t)s->nconfigs, sizeof *p, &p));
+  v->grows = parameter_grows(s);
+  for (int k = 0; k < s->nconfigs; k++) {
+    if (s->configs[k].extra || !study_first_alike(s, k, s->order)) continue;
     v->fits[v->nfits].first = k;
     fit(s, p, collect(s, k, p), v->fits + v->nfits++);
   }

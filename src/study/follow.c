@@ -96,7 +96,7 @@ static gh_status walk_path(study_problem *p, const study_stop *stop, study_run *
 
 /* ---- other programs ---- */
 
-/* The Cauchy stress of a row, and P = J s F^-T. They tell no energy. */
+/* The Cauchy stress of a row, and P = J s F^-T. They report no energy. */
 static gh_status add_peer_row(study_problem *p, study_run *run, size_t *capacity, int k,
                               const gh_peer_row *row) {
   const double *F = p->path.F + 4 * k, J = gh_det2(F);

@@ -1,4 +1,4 @@
-/* Every setting against its reference: errors, costs, fronts, orders.
+/* Every configuration against its reference: errors, costs, fronts, orders.
  * SPDX-License-Identifier: GPL-2.0-or-later */
 #include "study/judge.h"
 
@@ -23,13 +23,13 @@ static void add_costs(study_judged *row, const study_run *r, double share) {
   row->jumps += share * (double)r->jumps;
 }
 
-/* Of two defects, which have a sign, the larger one; NAN counts for nothing. */
-static double larger(double a, double b) {
+/* Of two energy imbalances, which have a sign, the larger one; NAN counts for nothing. */
+static double larger_imbalance(double a, double b) {
   return isnan(a) || fabs(b) > fabs(a) ? b : a;
 }
 
 /* Means over the runs that came to the end. */
-static void judge_costs(const study_setting *g, study_judged *row) {
+static void judge_costs(const study_config *g, study_judged *row) {
   row->residual = row->energy_defect = NAN;
   for (int m = 0; m < g->nruns; m++) row->members += study_run_done(g->runs + m);
   if (row->members == 0) no_costs(row);
@@ -38,26 +38,26 @@ static void judge_costs(const study_setting *g, study_judged *row) {
     if (!study_run_done(r)) continue;
     add_costs(row, r, 1.0 / row->members);
     row->residual = fmax(row->residual, r->residual); /* fmax passes over NAN */
-    row->energy_defect = larger(row->energy_defect, r->energy_defect);
+    row->energy_defect = larger_imbalance(row->energy_defect, r->energy_defect);
   }
 }
 
 /* ---- fronts ---- */
 
-/* Among the settings that have the same reference, and so answer the same question. */
+/* Among the configurations that have the same reference, and so answer the same question. */
 static gh_status mark_front(gh_study *s, int reference, bool by_count) {
   int n = 0, count, *index = NULL, *order = NULL;
   double *cost = NULL, *error = NULL;
   bool *front = NULL;
   gh_status status;
-  size_t most = (size_t)s->nsettings;
+  size_t most = (size_t)s->nconfigs;
   GH_TRY_OR(gh_alloc(s->ctx, most, sizeof *index, &index), end);
   GH_TRY_OR(gh_alloc(s->ctx, most, sizeof *order, &order), end);
   GH_TRY_OR(gh_alloc(s->ctx, most, sizeof *cost, &cost), end);
   GH_TRY_OR(gh_alloc(s->ctx, most, sizeof *error, &error), end);
   GH_TRY_OR(gh_alloc(s->ctx, most, sizeof *front, &front), end);
-  for (int k = 0; k < s->nsettings; k++) {
-    if (!study_is_rated(s, k) || s->settings[k].reference != reference) continue;
+  for (int k = 0; k < s->nconfigs; k++) {
+    if (!study_is_rated(s, k) || s->configs[k].reference != reference) continue;
     index[n] = k;
     cost[n] = by_count ? study_count_of(s, k) : s->verdict->row[k].core;
     error[n++] = study_error_of(s, k);
@@ -86,26 +86,26 @@ static gh_status judge_row(gh_study *s, int k) {
   row->confidence = row->single + n, row->chance = row->confidence + n;
   for (size_t j = 0; j < 5 * n; j++) row->l2[j] = NAN;
   row->order = NAN;
-  judge_costs(s->settings + k, row);
-  return study_is_reference(s, k) ? GH_OK : study_compare(s, s->settings + k, row);
+  judge_costs(s->configs + k, row);
+  return study_is_reference(s, k) ? GH_OK : study_compare(s, s->configs + k, row);
 }
 
 gh_status study_judge(gh_study *s) {
   study_verdict_destroy(s);
   GH_TRY(gh_alloc(s->ctx, 1, sizeof *s->verdict, &s->verdict));
-  GH_TRY(gh_alloc(s->ctx, (size_t)s->nsettings, sizeof *s->verdict->row, &s->verdict->row));
-  for (int k = 0; k < s->nsettings; k++) GH_TRY(judge_row(s, k));
-  for (int k = 0; k < s->nsettings; k++) {
+  GH_TRY(gh_alloc(s->ctx, (size_t)s->nconfigs, sizeof *s->verdict->row, &s->verdict->row));
+  for (int k = 0; k < s->nconfigs; k++) GH_TRY(judge_row(s, k));
+  for (int k = 0; k < s->nconfigs; k++) {
     if (!study_first_of_reference(s, k)) continue;
-    GH_TRY(mark_front(s, s->settings[k].reference, false));
-    if (study_counts(s) != STUDY_NOTHING) GH_TRY(mark_front(s, s->settings[k].reference, true));
+    GH_TRY(mark_front(s, s->configs[k].reference, false));
+    if (study_counts(s) != STUDY_NOTHING) GH_TRY(mark_front(s, s->configs[k].reference, true));
   }
   return s->order >= 0 ? study_fit_orders(s) : GH_OK;
 }
 
 void study_verdict_destroy(gh_study *s) {
   if (!s->verdict) return;
-  for (int k = 0; s->verdict->row && k < s->nsettings; k++) free(s->verdict->row[k].l2);
+  for (int k = 0; s->verdict->row && k < s->nconfigs; k++) free(s->verdict->row[k].l2);
   free(s->verdict->row);
   free(s->verdict->fits);
   free(s->verdict);

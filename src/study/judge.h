@@ -17,34 +17,34 @@ typedef struct study_sample {
   double mean, deviation; /* deviation 0 with one number */
 } study_sample;
 /* Of a column over the members that came to the end. n 0: not all of them have this t, or there are none. */
-study_sample study_members_at(const gh_study *s, const study_setting *g, double t, int column);
+study_sample study_members_at(const gh_study *s, const study_config *g, double t, int column);
 /* The curve of the first member that came to the end: its t are those of the mean; NULL: there is none. */
-const study_curve *study_first_curve(const study_setting *g);
+const study_curve *study_first_curve(const study_config *g);
 /* Fills the errors of a row (arrays of nquantities, allocated), its points, paired, why. */
-gh_status study_compare(const gh_study *s, const study_setting *g, study_judged *row);
+gh_status study_compare(const gh_study *s, const study_config *g, study_judged *row);
 
 /* ---- ratings.c: questions about a judged study ---- */
 
-/* The setting is itself what it is compared with. */
-bool study_is_reference(const gh_study *s, int setting);
+/* The configuration is itself what it is compared with. */
+bool study_is_reference(const gh_study *s, int config);
 /* A row that takes part in fronts, sentences and pictures: no extra, no reference, its main error is known.
  */
-bool study_is_rated(const gh_study *s, int setting);
+bool study_is_rated(const gh_study *s, int config);
 /* It is rated, and none before it is that has the same reference. */
-bool study_first_of_reference(const gh_study *s, int setting);
-double study_error_of(const gh_study *s, int setting); /* l2 of the main quantity */
+bool study_first_of_reference(const gh_study *s, int config);
+double study_error_of(const gh_study *s, int config); /* l2 of the main quantity */
 
 /* What counts as work on every machine: pair evaluations, or factorisations where no run counts those. */
 typedef enum study_counted { STUDY_NOTHING, STUDY_PAIRS, STUDY_FACTORISATIONS } study_counted;
 study_counted study_counts(const gh_study *s);
-double study_count_of(const gh_study *s, int setting);
+double study_count_of(const gh_study *s, int config);
 const char *study_count_name(study_counted counted); /* "pair evaluations" */
 
-/* All knobs but one are equal (except -1: all are). */
+/* All parameters but one are equal (except -1: all are). */
 bool study_alike(const gh_study *s, int a, int b, int except);
-/* No setting before this one, extra ones apart, is alike. */
-bool study_first_alike(const gh_study *s, int setting, int except);
-/* Some setting of the table has more than one packing. */
+/* No configuration before this one, extra ones apart, is alike. */
+bool study_first_alike(const gh_study *s, int config, int except);
+/* Some configuration of the table has more than one packing. */
 bool study_has_ensembles(const gh_study *s);
 
 /* ---- front.c ---- */
@@ -73,17 +73,18 @@ study_word study_order_word(double order);     /* "1.98" */
 typedef enum study_style { STUDY_PLAIN, STUDY_MARKDOWN } study_style;
 /* Text as it is, or with a backslash before what Markdown would read as markup. */
 void study_print_escaped(gh_text *out, study_style style, const char *text);
-/* The i-th knob that has more than one value (of a study of one setting: any knob); -1: there are fewer. */
-int study_varied_knob(const gh_study *s, int i);
-/* "micro.tolerance 1e-4, micro.boundary periodic": the knobs that are varied, but `except`, and what a
+/* The i-th parameter that has more than one value (of a study of one configuration: any parameter); -1: there
+ * are fewer. */
+int study_varied_parameter(const gh_study *s, int i);
+/* "micro.tolerance 1e-4, micro.boundary periodic": the parameters that are varied, but `except`, and what a
  * reference sets beside them. */
-void study_name(const gh_study *s, int setting, int except, char *text, size_t size);
+void study_name(const gh_study *s, int config, int except, char *text, size_t size);
 /* A value as study_plain has it, escaped. */
 void study_print_plain(gh_text *out, study_style style, const char *value);
-/* A knob's value for a legend, without quotes: packings without folder and `.data`. */
-void study_short_value(const gh_study *s, int setting, int knob, char *text, size_t size);
+/* A parameter's value for a legend, without quotes: packings without folder and `.data`. */
+void study_short_value(const gh_study *s, int config, int parameter, char *text, size_t size);
 /* For a picture: like study_name with short values, and names where a value does not speak for itself. */
-void study_legend(const gh_study *s, int setting, int except, char *text, size_t size);
+void study_legend(const gh_study *s, int config, int except, char *text, size_t size);
 
 /* ---- sentences.c ---- */
 

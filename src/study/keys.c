@@ -28,7 +28,7 @@ const gh_term study_rve_keys[] = {{"packing", "required. File, or a pattern of f
                                   {"path", "required. Path of deformation gradients, below"},
                                   {0}};
 
-const gh_term study_path_keys[] = {{"legs", "list of straight parts, from F = I"},
+const gh_term study_path_keys[] = {{"legs", "list of straight segments, from F = I"},
                                    {"file", "CSV file with the columns F11 F12 F21 F22"},
                                    {0}};
 

@@ -17,24 +17,25 @@ extern const gh_term study_keys[], study_rve_keys[], study_path_keys[], study_le
 
 void study_curve_free(study_curve *curve);
 
-/* ---- settings.c: combinations of values, references, members ---- */
+/* ---- configs.c: combinations of values, references, members ---- */
 
-/* Fills settings, with their references and members, from knobs, base and reference. */
+/* Fills configurations, with their references and members, from parameters, base and reference. */
 gh_status study_plan(gh_study *s);
-/* The value that a setting has for a key ("micro.tolerance", "refine", "packing"); NULL: that of the file. */
-const char *study_value(const gh_study *s, const study_setting *setting, const char *key);
-/* The line of the study's file that sets a key for a setting. */
-int study_line(const gh_study *s, const study_setting *setting, const char *key);
-/* Keys are set one after the other: base, knobs, reference. GH_INPUT: a later one would replace the map or
- * list that an earlier one has an entry of. */
+/* The value that a configuration has for a key ("micro.tolerance", "refine", "packing"); NULL: that of the
+ * file. */
+const char *study_value(const gh_study *s, const study_config *config, const char *key);
+/* The line of the study's file that sets a key for a configuration. */
+int study_line(const gh_study *s, const study_config *config, const char *key);
+/* Keys are set one after the other: base, parameters, reference. GH_INPUT: a later one would replace the map
+ * or list that an earlier one has an entry of. */
 gh_status study_check_keys(const gh_study *s);
-/* All keys that a setting sets, each once, in the order of base, knobs and reference. The strings belong to
- * the study, *list to the caller. `line`: of the key in the study's file; may be NULL. */
-gh_status study_overrides(const gh_study *s, const study_setting *setting, gh_override **list, int **line,
+/* All keys that a configuration sets, each once, in the order of base, parameters and reference. The strings
+ * belong to the study, *list to the caller. `line`: of the key in the study's file; may be NULL. */
+gh_status study_overrides(const gh_study *s, const study_config *config, gh_override **list, int **line,
                           int *count);
-/* "micro.tolerance 1e-6, packing a.data": what a run is called; member -1: the setting alone. */
-void study_run_name(const gh_study *s, int setting, int member, char *text, size_t size);
-void study_settings_destroy(gh_study *s);
+/* "micro.tolerance 1e-6, packing a.data": what a run is called; member -1: the configuration alone. */
+void study_run_name(const gh_study *s, int config, int member, char *text, size_t size);
+void study_configs_destroy(gh_study *s);
 
 /* ---- path.c: a path of deformation gradients ---- */
 
@@ -43,7 +44,7 @@ typedef struct study_path {
   double *t; /* rows; whole numbers are rows of the path as it is written */
   double *F; /* rows x 4 */
 } study_path;
-/* `path` of an rve, each increment in `refine` parts; files are relative to folder. */
+/* `path` of an rve, each increment in `refine` substeps; files are relative to folder. */
 gh_status study_path_read(gh_context *ctx, node path, const char *folder, long refine, study_path *out);
 void study_path_free(study_path *path);
 /* At every t that both have, F is the same. False: *t is the first where it is not. */
@@ -64,7 +65,7 @@ typedef struct study_problem {
 } study_problem;
 /* Reads all that the run depends on, and hashes it. A key that is `without` (index among study_overrides, -1:
  * none) stays as in the file. Messages go to ctx. To be closed also after a failure. */
-gh_status study_problem_open(gh_context *ctx, const gh_study *s, int setting, int member, int without,
+gh_status study_problem_open(gh_context *ctx, const gh_study *s, int config, int member, int without,
                              study_problem *p);
 void study_problem_close(study_problem *p);
 
@@ -87,15 +88,15 @@ bool study_stopped(const study_stop *stop); /* NULL: never */
 /* Adds a row to a curve that has room for *capacity of them. */
 gh_status study_curve_add(gh_context *ctx, study_curve *curve, size_t *capacity, int ncolumns, double t,
                           const double *value);
-/* Follow the path, run the scene: counts, curve, residual and defect into *run; status and message are
- * returned as everywhere. */
+/* Follow the path, run the scene: counts, curve, residual and energy imbalance into *run; status and message
+ * are returned as everywhere. */
 gh_status study_follow(study_problem *p, const study_stop *stop, study_run *run);
 gh_status study_scene_run(study_problem *p, const study_stop *stop, study_run *run);
 
 /* ---- record.c ---- */
 
 /* A finished run as JSON with a checksum. */
-gh_status study_record_print(const gh_study *s, int setting, const study_run *run, gh_text *out);
+gh_status study_record_print(const gh_study *s, int config, const study_run *run, gh_text *out);
 /* Fills *run. GH_INPUT: damaged, or of another run; *run is then as it was. */
 gh_status study_record_parse(const gh_study *s, const char *text, study_run *run);
 /* folder/runs/ID.json; the caller frees. */
@@ -109,7 +110,7 @@ extern const uint64_t study_hash_begin;
 
 /* ---- reference.c, lattice.c ---- */
 
-/* The curve of a file or a closed form into s->given. All settings are known. */
+/* The curve of a file or a closed form into s->given. All configurations are known. */
 gh_status study_reference(gh_study *s);
 /* Stress and energy of equal disks on a triangular lattice, all of which move with F: three bonds a grain. */
 typedef struct study_lattice {
@@ -125,7 +126,7 @@ gh_status study_lattice_answer(gh_context *ctx, const study_lattice *lattice, co
 /* ---- team_mpi.c, team_alone.c: the ranks that share the runs ---- */
 
 typedef struct study_team study_team;
-/* Collective. comm NULL: this process alone. stop is asked on each rank; once it has said true on one,
+/* Collective. comm NULL: this process alone. stop is called on each rank; once it has returned true on one,
  * study_team_stopped is true on all. It fails on all ranks or on none. */
 gh_status study_team_create(gh_context *ctx, const void *comm, const study_stop *stop, study_team **team);
 void study_team_destroy(study_team **team); /* collective */
@@ -133,7 +134,7 @@ int study_team_rank(const study_team *team);
 long study_team_next(study_team *team); /* 0, 1, 2, ...: each number once among all ranks */
 void study_team_stop(study_team *team); /* on all ranks */
 bool study_team_stopped(void *team);
-/* Rank 0 is told what others have done, at its next look. note: of at most STUDY_NOTE bytes with the 0. */
+/* Rank 0 hears what others have done when it listens next. note: of at most STUDY_NOTE bytes with the 0. */
 enum { STUDY_NOTE = 1024 };
 void study_team_tell(study_team *team, const char *note);
 /* On rank 0: hear(data, note) for each note that has come. Elsewhere nothing. */

@@ -60,7 +60,7 @@ static gh_status read_leg(node leg, double to[4], long *count) {
 static gh_status check_rows(node where, const study_path *p, int first) {
   for (int k = first; k < p->rows; k++)
     if (!(gh_det2(p->F + 4 * k) > 0))
-      return gh_yaml_fail(where, "on the way there det F is %g at t = %g; it must be positive",
+      return gh_yaml_fail(where, "on the path to it det F is %g at t = %g; it must be positive",
                           gh_det2(p->F + 4 * k), p->t[k]);
   return GH_OK;
 }

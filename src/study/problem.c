@@ -1,5 +1,5 @@
-/* What one run of a study computes: the scene or the rve with the keys of its setting, and the hash of all
- * that the answer depends on. SPDX-License-Identifier: GPL-2.0-or-later */
+/* What one run of a study computes: the scene or the rve with the keys of its configuration, and the hash of
+ * all that the answer depends on. SPDX-License-Identifier: GPL-2.0-or-later */
 #include "io/file.h"
 #include "study/parts.h"
 
@@ -57,7 +57,7 @@ static gh_status add_named(gh_context *ctx, const char *folder, node n, uint64_t
   return status;
 }
 
-/* ---- the keys of a setting ---- */
+/* ---- the keys of a configuration ---- */
 
 /* Keys for the document, and what a study understands itself. */
 typedef struct wanted {
@@ -72,7 +72,7 @@ static gh_status read_refine(gh_context *ctx, const char *value, long *refine) {
   return gh_fail(ctx, GH_INPUT, "refine is '%s', it must be an integer from 1 to %d", value, MOST_REFINE);
 }
 
-static gh_status find_wanted(gh_context *ctx, const gh_study *s, const study_setting *one, int member,
+static gh_status find_wanted(gh_context *ctx, const gh_study *s, const study_config *one, int member,
                              int without, wanted *w) {
   int all = 0;
   *w = (wanted){.refine = 1, .packing = one->files ? one->files[member] : NULL};
@@ -142,7 +142,7 @@ static gh_status refine_steps(gh_context *ctx, gh_yaml *doc, long refine, scene_
     char key[64], value[32];
     long count;
     node n = gh_yaml_get(gh_yaml_item(steps, j), "increments");
-    if (!gh_yaml_has(n)) continue; /* the scene says what is missing */
+    if (!gh_yaml_has(n)) continue; /* reading the scene reports what is missing */
     GH_TRY(gh_yaml_integer(n, "increments", 1, MOST_REFINE, &count));
     snprintf(key, sizeof key, "steps.%d.increments", j);
     snprintf(value, sizeof value, "%ld", count * refine);
@@ -286,11 +286,11 @@ static gh_status open_rve(gh_context *ctx, const gh_study *s, const wanted *w, s
   return status;
 }
 
-gh_status study_problem_open(gh_context *ctx, const gh_study *s, int setting, int member, int without,
+gh_status study_problem_open(gh_context *ctx, const gh_study *s, int config, int member, int without,
                              study_problem *p) {
   wanted w;
   *p = (study_problem){.ctx = ctx, .peer = STUDY_NO_PEER};
-  gh_status status = find_wanted(ctx, s, s->settings + setting, member, without, &w);
+  gh_status status = find_wanted(ctx, s, s->configs + config, member, without, &w);
   if (status == GH_OK) status = s->scene ? open_scene(ctx, s, &w, p) : open_rve(ctx, s, &w, p);
   free(w.list);
   return status;

@@ -59,63 +59,65 @@ static gh_status read_entries(gh_study *s, node map, const char *what, study_ent
   return GH_OK;
 }
 
-/* ---- knobs ---- */
+/* ---- parameters ---- */
 
-static gh_status read_values(gh_study *s, node list, study_knob *knob) {
+static gh_status read_values(gh_study *s, node list, study_parameter *parameter) {
   int count = gh_yaml_length(list);
   if (!gh_yaml_is_list(list) || count < 1)
-    return gh_yaml_fail(list, "%s: a list of values is wanted: [1e-2, 1e-4, ...]", knob->name);
-  GH_TRY(gh_alloc(s->ctx, (size_t)count, sizeof *knob->value, &knob->value));
-  GH_TRY(gh_alloc(s->ctx, (size_t)count, sizeof *knob->number, &knob->number));
+    return gh_yaml_fail(list, "%s: a list of values is required: [1e-2, 1e-4, ...]", parameter->name);
+  GH_TRY(gh_alloc(s->ctx, (size_t)count, sizeof *parameter->value, &parameter->value));
+  GH_TRY(gh_alloc(s->ctx, (size_t)count, sizeof *parameter->number, &parameter->number));
   for (int k = 0; k < count; k++) {
     node item = gh_yaml_item(list, k);
-    knob->nvalues = k + 1;
-    GH_TRY(one_line(s, item, &knob->value[k]));
-    if (!gh_parse_number(knob->value[k], &knob->number[k])) knob->number[k] = NAN;
+    parameter->nvalues = k + 1;
+    GH_TRY(one_line(s, item, &parameter->value[k]));
+    if (!gh_parse_number(parameter->value[k], &parameter->number[k])) parameter->number[k] = NAN;
     for (int j = 0; j < k; j++)
-      if (strcmp(knob->value[j], knob->value[k]) == 0 || knob->number[j] == knob->number[k])
-        return gh_yaml_fail(item, "%s: the value %s is there twice", knob->name, knob->value[k]);
+      if (strcmp(parameter->value[j], parameter->value[k]) == 0 ||
+          parameter->number[j] == parameter->number[k])
+        return gh_yaml_fail(item, "%s: the value %s is there twice", parameter->name, parameter->value[k]);
   }
   return GH_OK;
 }
 
-static gh_status read_knobs(gh_study *s, node vary) {
+static gh_status read_parameters(gh_study *s, node vary) {
   char what[GH_QUOTE];
   if (!gh_yaml_is_map(vary) || gh_yaml_length(vary) < 1)
     return gh_yaml_fail(vary, "vary must be a map of keys and lists: {micro.tolerance: [1e-2, 1e-4], ...}");
-  GH_TRY(gh_alloc(s->ctx, (size_t)gh_yaml_length(vary), sizeof *s->knobs, &s->knobs));
+  GH_TRY(gh_alloc(s->ctx, (size_t)gh_yaml_length(vary), sizeof *s->parameters, &s->parameters));
   for (int k = 0; k < gh_yaml_length(vary); k++) {
     node list;
     const char *name = gh_yaml_key(vary, k, &list);
-    study_knob *knob = s->knobs + k;
-    s->nknobs = k + 1;
-    knob->line = gh_yaml_line(list);
+    study_parameter *parameter = s->parameters + k;
+    s->nparameters = k + 1;
+    parameter->line = gh_yaml_line(list);
     if (gh_unprintable(name, what)) return gh_yaml_fail(list, "a key under vary holds %s", what);
-    GH_TRY(gh_copy_text(s->ctx, name, &knob->name));
-    GH_TRY(read_values(s, list, knob));
+    GH_TRY(gh_copy_text(s->ctx, name, &parameter->name));
+    GH_TRY(read_values(s, list, parameter));
   }
   return GH_OK;
 }
 
-/* The knob that an optional key names. `whole`: `vary` of the whole study; with --quick, a name that is there
- * alone is none. */
-static gh_status read_knob_name(const gh_study *s, node whole, node n, const char *what, int *knob) {
+/* The parameter that an optional key names. `whole`: `vary` of the whole study; with --quick, a name that is
+ * there alone is none. */
+static gh_status read_parameter_name(const gh_study *s, node whole, node n, const char *what,
+                                     int *parameter) {
   const char *name;
   if (!gh_yaml_has(n)) return GH_OK;
   GH_TRY(gh_yaml_text(n, what, &name));
-  for (int k = 0; k < s->nknobs; k++)
-    if (strcmp(s->knobs[k].name, name) == 0) return *knob = k, GH_OK;
+  for (int k = 0; k < s->nparameters; k++)
+    if (strcmp(s->parameters[k].name, name) == 0) return *parameter = k, GH_OK;
   if (gh_yaml_is_map(whole) && gh_yaml_has(gh_yaml_get(whole, name))) return GH_OK;
   return gh_yaml_fail(n, "%s: '%s' is none of the keys under vary", what, name);
 }
 
 static gh_status read_order(gh_study *s, node whole, node n) {
   s->order = -1;
-  GH_TRY(read_knob_name(s, whole, n, "order", &s->order));
-  for (int k = 0; s->order >= 0 && k < s->knobs[s->order].nvalues; k++)
-    if (!(s->knobs[s->order].number[k] > 0))
+  GH_TRY(read_parameter_name(s, whole, n, "order", &s->order));
+  for (int k = 0; s->order >= 0 && k < s->parameters[s->order].nvalues; k++)
+    if (!(s->parameters[s->order].number[k] > 0))
       return gh_yaml_fail(n, "order: the values of %s must be numbers above 0, and '%s' is none",
-                          s->knobs[s->order].name, s->knobs[s->order].value[k]);
+                          s->parameters[s->order].name, s->parameters[s->order].value[k]);
   return GH_OK;
 }
 
@@ -142,7 +144,7 @@ static gh_status read_reference_file(gh_study *s, node n) {
 
 static gh_status read_tighter(gh_study *s, node set) {
   char words[512] = "the same with ", value[256];
-  s->reference = STUDY_SETTING;
+  s->reference = STUDY_CONFIG;
   GH_TRY(read_entries(s, set, "set", &s->tighter, &s->ntighter));
   if (s->ntighter == 0) return gh_yaml_fail(set, "set has no key: nothing would differ from the reference");
   for (int k = 0; k < s->ntighter; k++) {
@@ -237,7 +239,7 @@ static gh_status choose_quantities(gh_study *s, node list) {
                           s->quantities[0].name, s->quantities[1].name, s->nquantities > 2 ? ", " : "",
                           s->nquantities > 2 ? s->quantities[2].name : "");
     if (found < k) return gh_yaml_fail(gh_yaml_item(list, k), "quantity '%s' is there twice", name);
-    study_quantity q = s->quantities[found]; /* those that are chosen stand at the begin */
+    study_quantity q = s->quantities[found]; /* those that are chosen stand at the start */
     memmove(s->quantities + k + 1, s->quantities + k, (size_t)(found - k) * sizeof q);
     s->quantities[k] = q;
   }
@@ -266,7 +268,7 @@ static gh_status read_plots(gh_study *s, node list) {
   return GH_OK;
 }
 
-/* ---- each run, before it begins ---- */
+/* ---- each run, before it starts ---- */
 
 static gh_status place(gh_study *s, int line, const char *key, const char *value) {
   if (!key) return gh_prefix(s->ctx, GH_INPUT, "%s:%d: ", s->path, line);
@@ -274,15 +276,15 @@ static gh_status place(gh_study *s, int line, const char *key, const char *value
 }
 
 /* Names the key without which the run would be in order; the message of the failure is in the context. */
-static gh_status blame(gh_study *s, int setting, int member) {
+static gh_status blame(gh_study *s, int config, int member) {
   gh_override *list;
   int *line, count, guilty = -1;
   char message[2048];
   snprintf(message, sizeof message, "%s", gh_message(s->ctx));
-  GH_TRY(study_overrides(s, s->settings + setting, &list, &line, &count));
+  GH_TRY(study_overrides(s, s->configs + config, &list, &line, &count));
   for (int k = 0; k < count && guilty < 0; k++) {
     study_problem p;
-    if (study_problem_open(s->ctx, s, setting, member, k, &p) == GH_OK) guilty = k;
+    if (study_problem_open(s->ctx, s, config, member, k, &p) == GH_OK) guilty = k;
     study_problem_close(&p);
   }
   gh_fail(s->ctx, GH_INPUT, "%s", message);
@@ -293,15 +295,16 @@ static gh_status blame(gh_study *s, int setting, int member) {
   return GH_INPUT;
 }
 
-static gh_status take_columns(gh_study *s, int setting, const study_problem *p) {
+static gh_status take_columns(gh_study *s, int config, const study_problem *p) {
   char name[256];
   if (s->ncolumns > 0) {
     const bool driven = p->scene && study_measures_force(p->scene);
     if (!p->scene || driven == (strcmp(s->quantities[1].name, "force") == 0)) return GH_OK;
-    study_run_name(s, setting, -1, name, sizeof name);
-    return gh_fail(s->ctx, GH_INPUT,
-                   "%s:%d: %s: here %s is driven, unlike in the settings before: they cannot be compared",
-                   s->path, s->problem_line, name, driven ? "an edge" : "nothing");
+    study_run_name(s, config, -1, name, sizeof name);
+    return gh_fail(
+        s->ctx, GH_INPUT,
+        "%s:%d: %s: here %s is driven, unlike in the configurations before: they cannot be compared", s->path,
+        s->problem_line, name, driven ? "an edge" : "nothing");
   }
   GH_TRY(study_columns(s, p));
   if (!p->scene) return GH_OK;
@@ -310,8 +313,8 @@ static gh_status take_columns(gh_study *s, int setting, const study_problem *p) 
 }
 
 /* An ensemble with copies would look surer of its mean than it is. */
-static gh_status check_copies(gh_study *s, int setting) {
-  const study_setting *one = s->settings + setting;
+static gh_status check_copies(gh_study *s, int config) {
+  const study_config *one = s->configs + config;
   for (int m = 1; m < one->nruns; m++)
     for (int k = 0; k < m; k++)
       if (strcmp(one->runs[k].id, one->runs[m].id) == 0)
@@ -320,14 +323,14 @@ static gh_status check_copies(gh_study *s, int setting) {
   return GH_OK;
 }
 
-static gh_status check_run(gh_study *s, int setting, int member, study_path *path) {
+static gh_status check_run(gh_study *s, int config, int member, study_path *path) {
   study_problem p;
-  study_run *run = s->settings[setting].runs + member;
-  gh_status status = study_problem_open(s->ctx, s, setting, member, -1, &p);
-  if (status == GH_INPUT) status = blame(s, setting, member);
+  study_run *run = s->configs[config].runs + member;
+  gh_status status = study_problem_open(s->ctx, s, config, member, -1, &p);
+  if (status == GH_INPUT) status = blame(s, config, member);
   if (status == GH_OK) {
     memcpy(run->id, p.id, sizeof run->id);
-    status = take_columns(s, setting, &p);
+    status = take_columns(s, config, &p);
   }
   if (member == 0) {
     *path = p.path;
@@ -339,8 +342,8 @@ static gh_status check_run(gh_study *s, int setting, int member, study_path *pat
 
 /* What is compared at one t must have been deformed alike. */
 static gh_status check_paths(gh_study *s, const study_path *path) {
-  for (int k = 0; k < s->nsettings && !s->scene; k++) {
-    const int with = s->settings[k].reference >= 0 ? s->settings[k].reference : 0;
+  for (int k = 0; k < s->nconfigs && !s->scene; k++) {
+    const int with = s->configs[k].reference >= 0 ? s->configs[k].reference : 0;
     char name[256];
     double t;
     if (study_path_agree(path + k, path + with, &t)) continue;
@@ -356,13 +359,13 @@ static gh_status check_paths(gh_study *s, const study_path *path) {
 static gh_status check_runs(gh_study *s) {
   study_path *path;
   gh_status status = GH_OK;
-  GH_TRY(gh_alloc(s->ctx, (size_t)s->nsettings, sizeof *path, &path));
-  for (int k = 0; k < s->nsettings && status == GH_OK; k++) {
-    for (int m = 0; m < s->settings[k].nruns && status == GH_OK; m++) status = check_run(s, k, m, path + k);
+  GH_TRY(gh_alloc(s->ctx, (size_t)s->nconfigs, sizeof *path, &path));
+  for (int k = 0; k < s->nconfigs && status == GH_OK; k++) {
+    for (int m = 0; m < s->configs[k].nruns && status == GH_OK; m++) status = check_run(s, k, m, path + k);
     if (status == GH_OK) status = check_copies(s, k);
   }
   if (status == GH_OK) status = check_paths(s, path);
-  for (int k = 0; k < s->nsettings; k++) study_path_free(path + k);
+  for (int k = 0; k < s->nconfigs; k++) study_path_free(path + k);
   free(path);
   return status;
 }
@@ -384,11 +387,11 @@ static gh_status read_root(gh_study *s, node root) {
   GH_TRY(gh_yaml_need(root, "a study", "reference", &reference));
   if (gh_yaml_has(gh_yaml_get(quick, "vary"))) vary = gh_yaml_get(quick, "vary");
   if (gh_yaml_has(gh_yaml_get(quick, "reference"))) reference = gh_yaml_get(quick, "reference");
-  GH_TRY(read_knobs(s, vary));
+  GH_TRY(read_parameters(s, vary));
   GH_TRY(read_reference(s, reference));
   const node whole = gh_yaml_get(root, "vary");
   GH_TRY(read_order(s, whole, gh_yaml_get(root, "order")));
-  GH_TRY(read_knob_name(s, whole, gh_yaml_get(root, "series"), "series", &s->series));
+  GH_TRY(read_parameter_name(s, whole, gh_yaml_get(root, "series"), "series", &s->series));
   GH_TRY(read_goals(s, gh_yaml_get(root, "goals")));
   GH_TRY(study_check_keys(s));
   GH_TRY(study_plan(s));
@@ -417,22 +420,22 @@ gh_status gh_study_read(gh_context *ctx, const char *path, bool quick, gh_study 
   return status;
 }
 
-static void destroy_knobs(gh_study *s) {
-  for (int k = 0; k < s->nknobs; k++) {
-    for (int j = 0; j < s->knobs[k].nvalues; j++) free(s->knobs[k].value[j]);
-    free(s->knobs[k].value);
-    free(s->knobs[k].number);
-    free(s->knobs[k].name);
+static void destroy_parameters(gh_study *s) {
+  for (int k = 0; k < s->nparameters; k++) {
+    for (int j = 0; j < s->parameters[k].nvalues; j++) free(s->parameters[k].value[j]);
+    free(s->parameters[k].value);
+    free(s->parameters[k].number);
+    free(s->parameters[k].name);
   }
-  free(s->knobs);
+  free(s->parameters);
 }
 
 void gh_study_destroy(gh_study **study) {
   if (!study || !*study) return;
   gh_study *s = *study;
   study_verdict_destroy(s);
-  study_settings_destroy(s);
-  destroy_knobs(s);
+  study_configs_destroy(s);
+  destroy_parameters(s);
   free_entries(s->base, s->nbase);
   free_entries(s->tighter, s->ntighter);
   study_curve_free(&s->given);

@@ -65,7 +65,7 @@ static void put_curve(const gh_study *s, gh_text *out, const study_curve *c) {
   gh_text_print(out, "],\n");
 }
 
-static gh_status put_overrides(const gh_study *s, const study_setting *one, gh_text *out) {
+static gh_status put_overrides(const gh_study *s, const study_config *one, gh_text *out) {
   gh_override *list;
   int count;
   GH_TRY(study_overrides(s, one, &list, NULL, &count));
@@ -96,7 +96,7 @@ static void find_counts(study_run *r, long *list[COUNTS]) {
   memcpy(list, all, sizeof all);
 }
 
-gh_status study_record_print(const gh_study *s, int setting, const study_run *run, gh_text *out) {
+gh_status study_record_print(const gh_study *s, int config, const study_run *run, gh_text *out) {
   size_t length;
   long *count[COUNTS];
   study_run copy = *run;
@@ -105,7 +105,7 @@ gh_status study_record_print(const gh_study *s, int setting, const study_run *ru
   put_string(out, "program", "granhom " GH_VERSION);
   put_string(out, "build", run->other_build ? "another" : gh_build());
   put_string(out, "problem", s->scene ? s->scene_path : s->path);
-  GH_TRY(put_overrides(s, s->settings + setting, out));
+  GH_TRY(put_overrides(s, s->configs + config, out));
   if (run->packing) put_string(out, "packing", run->packing);
   gh_text_print(out, "  \"status\": %d,\n", gh_exit_status(run->status));
   put_string(out, "outcome", gh_status_text(run->status));

@@ -64,12 +64,13 @@ static gh_status take_file(gh_study *s) {
 
 /* ---- a closed form ---- */
 
-/* It is one curve: what it depends on must be the same in all settings. */
-static gh_status check_knobs(const gh_study *s) {
-  for (int k = 0; k < s->nknobs; k++)
-    if (strncmp(s->knobs[k].name, "contact", 7) == 0 || strncmp(s->knobs[k].name, "path", 4) == 0)
-      return gh_fail(s->ctx, GH_INPUT, "a closed form needs the same %s in all settings, and %s is varied",
-                     *s->knobs[k].name == 'c' ? "contact law" : "path", s->knobs[k].name);
+/* It is one curve: what it depends on must be the same in all configurations. */
+static gh_status check_parameters(const gh_study *s) {
+  for (int k = 0; k < s->nparameters; k++)
+    if (strncmp(s->parameters[k].name, "contact", 7) == 0 || strncmp(s->parameters[k].name, "path", 4) == 0)
+      return gh_fail(s->ctx, GH_INPUT,
+                     "a closed form needs the same %s in all configurations, and %s is varied",
+                     *s->parameters[k].name == 'c' ? "contact law" : "path", s->parameters[k].name);
   return GH_OK;
 }
 
@@ -77,12 +78,12 @@ static bool same(double a, double b) {
   return fabs(a - b) <= 1e-9 * fabs(b);
 }
 
-/* The same lattice in each packing; a turn by a bond's 60 degrees is none. */
-static gh_status check_lattice(const gh_study *s, const study_problem *p, int setting, int member,
+/* The same lattice in each packing; a rotation by a bond's 60 degrees is none. */
+static gh_status check_lattice(const gh_study *s, const study_problem *p, int config, int member,
                                study_lattice *common) {
   study_lattice l;
   const double third = acos(-1) / 3;
-  const char *file = s->settings[setting].files[member];
+  const char *file = s->configs[config].files[member];
   gh_status status = study_lattice_find(s->ctx, p->packing, &p->rve.law, &l);
   if (status != GH_OK) return gh_prefix(s->ctx, status, "%s: ", file);
   if (common->spacing == 0) *common = l;
@@ -133,9 +134,9 @@ static gh_status take_answers(gh_study *s, answers *a) {
 static gh_status take_closed_form(gh_study *s) {
   study_lattice common = {0};
   answers all = {0};
-  gh_status status = check_knobs(s);
-  for (int k = 0; k < s->nsettings && status == GH_OK; k++)
-    for (int m = 0; m < s->settings[k].nruns && status == GH_OK; m++) {
+  gh_status status = check_parameters(s);
+  for (int k = 0; k < s->nconfigs && status == GH_OK; k++)
+    for (int m = 0; m < s->configs[k].nruns && status == GH_OK; m++) {
       study_problem p;
       status = study_problem_open(s->ctx, s, k, m, -1, &p);
       if (status == GH_OK) status = check_lattice(s, &p, k, m, &common);

@@ -1,10 +1,10 @@
-/* The table of settings that people read. SPDX-License-Identifier: GPL-2.0-or-later */
+/* The table of configurations that people read. SPDX-License-Identifier: GPL-2.0-or-later */
 #include "study/judge.h"
 
 #include <string.h>
 
 typedef enum kind {
-  KNOB,
+  PARAMETER,
   ERROR,
   CHANCE,
   SINGLE,
@@ -18,51 +18,51 @@ typedef enum kind {
   NO_KIND
 } kind;
 
-/* Which columns this study needs: kind and index (knob, quantity) of column c. */
+/* Which columns this study needs: kind and index (parameter, quantity) of column c. */
 static kind column_kind(const gh_study *s, int c, int *index) {
   const int ensemble = study_has_ensembles(s);
-  int knobs = 0;
-  while (study_varied_knob(s, knobs) >= 0) knobs++;
+  int parameters = 0;
+  while (study_varied_parameter(s, parameters) >= 0) parameters++;
   const struct {
     kind kind;
     int count;
-  } parts[] = {{KNOB, knobs},          {ERROR, 1},   {CHANCE, ensemble},
-               {SINGLE, ensemble},     {LARGEST, 1}, {OTHER, s->nquantities - 1},
-               {PACKINGS, ensemble},   {CORE, 1},    {COUNT, study_counts(s) != STUDY_NOTHING},
-               {ORDER, s->order >= 0}, {FRONT, 1}};
+  } parts[] = {{PARAMETER, parameters}, {ERROR, 1},   {CHANCE, ensemble},
+               {SINGLE, ensemble},      {LARGEST, 1}, {OTHER, s->nquantities - 1},
+               {PACKINGS, ensemble},    {CORE, 1},    {COUNT, study_counts(s) != STUDY_NOTHING},
+               {ORDER, s->order >= 0},  {FRONT, 1}};
   for (size_t p = 0; p < sizeof parts / sizeof *parts; c -= parts[p++].count)
     if (c < parts[p].count) {
-      *index = parts[p].kind == KNOB ? study_varied_knob(s, c) : c;
+      *index = parts[p].kind == PARAMETER ? study_varied_parameter(s, c) : c;
       if (parts[p].kind == OTHER && c >= s->main) *index = c + 1;
       return parts[p].kind;
     }
   return NO_KIND;
 }
 
-static int setting_of(const gh_study *s, int row) {
-  for (int k = 0; k < s->nsettings; k++)
-    if (!s->settings[k].extra && row-- == 0) return k;
+static int config_of(const gh_study *s, int row) {
+  for (int k = 0; k < s->nconfigs; k++)
+    if (!s->configs[k].extra && row-- == 0) return k;
   return -1;
 }
 
 static bool has_note(const gh_study *s, int k) {
   return !study_is_reference(s, k)
-             ? s->verdict->row[k].why || s->verdict->row[k].members < s->settings[k].nruns
-             : s->verdict->row[k].members < s->settings[k].nruns;
+             ? s->verdict->row[k].why || s->verdict->row[k].members < s->configs[k].nruns
+             : s->verdict->row[k].members < s->configs[k].nruns;
 }
 
 /* Number of the foot line of a row; 0: it has none. */
-static int note_of(const gh_study *s, int setting) {
+static int note_of(const gh_study *s, int config) {
   int n = 0;
-  if (!has_note(s, setting)) return 0;
-  for (int k = 0; k <= setting; k++) n += !s->settings[k].extra && has_note(s, k);
+  if (!has_note(s, config)) return 0;
+  for (int k = 0; k <= config; k++) n += !s->configs[k].extra && has_note(s, k);
   return n;
 }
 
 static void head(const gh_study *s, kind what, int index, char text[STUDY_CELL]) {
   switch (what) {
-  case KNOB:
-    snprintf(text, STUDY_CELL, "%s", s->knobs[index].name);
+  case PARAMETER:
+    snprintf(text, STUDY_CELL, "%s", s->parameters[index].name);
     break;
   case ERROR:
     snprintf(text, STUDY_CELL, "error of the %s", s->quantities[s->main].name);
@@ -104,8 +104,8 @@ static void error_cell(const gh_study *s, int k, char text[STUDY_CELL]) {
   const study_judged *row = s->verdict->row + k;
   const char *word = study_is_reference(s, k) ? "reference" : NULL;
   if (row->members == 0) {
-    bool finished = s->settings[k].nruns > 0;
-    for (int m = 0; m < s->settings[k].nruns; m++) finished = finished && s->settings[k].runs[m].finished;
+    bool finished = s->configs[k].nruns > 0;
+    for (int m = 0; m < s->configs[k].nruns; m++) finished = finished && s->configs[k].runs[m].finished;
     word = finished ? "failed" : "not run";
   }
   study_word number = study_error_word(row->l2[s->main]);
@@ -123,14 +123,14 @@ static void cell(const gh_study *s, kind what, int index, int k, char text[STUDY
   const study_judged *row = s->verdict->row + k;
   study_word w = {""};
   switch (what) {
-  case KNOB:
-    study_plain(s->settings[k].value[index], text, STUDY_CELL);
+  case PARAMETER:
+    study_plain(s->configs[k].value[index], text, STUDY_CELL);
     return;
   case ERROR:
     error_cell(s, k, text);
     return;
   case PACKINGS:
-    snprintf(text, STUDY_CELL, "%d of %d", row->members, s->settings[k].nruns);
+    snprintf(text, STUDY_CELL, "%d of %d", row->members, s->configs[k].nruns);
     return;
   case FRONT:
     snprintf(text, STUDY_CELL, "%s", front_word(row));
@@ -162,17 +162,17 @@ static void cell(const gh_study *s, kind what, int index, int k, char text[STUDY
   snprintf(text, STUDY_CELL, "%s", w.text);
 }
 
-static bool setting_cell(const study_table *t, int row, int column, char text[STUDY_CELL]) {
+static bool config_cell(const study_table *t, int row, int column, char text[STUDY_CELL]) {
   int index = 0;
   kind what = column_kind(t->s, column, &index);
   if (row < 0) head(t->s, what, index, text);
-  else cell(t->s, what, index, setting_of(t->s, row), text);
-  return what != KNOB && what != FRONT;
+  else cell(t->s, what, index, config_of(t->s, row), text);
+  return what != PARAMETER && what != FRONT;
 }
 
 /* Why a run has no result. */
 static void print_failure(const gh_study *s, int k, study_style style, gh_text *out) {
-  const study_setting *g = s->settings + k;
+  const study_config *g = s->configs + k;
   int failed = 0, waiting = 0;
   const char *message = NULL;
   for (int m = 0; m < g->nruns; m++) {
@@ -197,7 +197,7 @@ static void print_foot(const gh_study *s, int k, study_style style, gh_text *out
   const study_judged *row = s->verdict->row + k;
   study_name(s, k, -1, name, sizeof name);
   gh_text_print(out, "%s", style == STUDY_MARKDOWN ? "- " : "");
-  if (s->settings[k].extra) gh_text_print(out, "reference ");
+  if (s->configs[k].extra) gh_text_print(out, "reference ");
   else gh_text_print(out, "[%d] ", note_of(s, k));
   study_print_escaped(out, style, name);
   gh_text_print(out, ":");
@@ -207,13 +207,12 @@ static void print_foot(const gh_study *s, int k, study_style style, gh_text *out
 }
 
 void study_print_rows(const gh_study *s, study_style style, gh_text *out) {
-  study_table t = {.s = s, .cell = setting_cell};
+  study_table t = {.s = s, .cell = config_cell};
   int index, notes = 0;
-  while (setting_of(s, t.rows) >= 0) t.rows++;
+  while (config_of(s, t.rows) >= 0) t.rows++;
   while (column_kind(s, t.columns, &index) != NO_KIND) t.columns++;
   study_print_table(&t, style, out);
-  for (int k = 0; k < s->nsettings;
-       k++) { /* references that have no row of their own stand behind the rows */
+  for (int k = 0; k < s->nconfigs; k++) { /* references that have no row of their own stand behind the rows */
     if (!has_note(s, k)) continue;
     if (notes++ == 0) gh_text_print(out, "\n");
     print_foot(s, k, style, out);

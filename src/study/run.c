@@ -13,7 +13,7 @@
 
 /* A run among all. */
 typedef struct place {
-  int setting, member;
+  int config, member;
 } place;
 
 typedef struct job {
@@ -35,10 +35,10 @@ typedef struct job {
 } job;
 
 static study_run *run_at(const gh_study *s, place p) {
-  return s->settings[p.setting].runs + p.member;
+  return s->configs[p.config].runs + p.member;
 }
 
-/* ---- what is told ---- */
+/* ---- what is reported ---- */
 
 static const char warned_words[] = "beyond known limits: ";
 
@@ -52,7 +52,7 @@ static void hear(void *data, const char *note) {
 static void tell(job *j, place p) {
   char note[STUDY_NOTE], name[256];
   const study_run *run = run_at(j->s, p);
-  study_run_name(j->s, p.setting, p.member, name, sizeof name);
+  study_run_name(j->s, p.config, p.member, name, sizeof name);
   const char *words = *run->warning ? warned_words : "", *comma = *run->warning ? ", " : "";
   if (run->status == GH_OK)
     snprintf(note, sizeof note - 1, "%s: done, %.3g s%s%s%s", name, run->wall, comma, words, run->warning);
@@ -61,7 +61,7 @@ static void tell(job *j, place p) {
   else study_team_tell(j->team, note);
 }
 
-/* Asked within runs. */
+/* Called within runs. */
 static bool stopped(void *data) {
   enum { EVERY = 100 }; /* ms */
   job *j = data;
@@ -115,7 +115,7 @@ static gh_status compute(job *j, place at, study_run *run) {
   study_problem p;
   if (gh_context_create(&quiet) != GH_OK) return gh_fail(j->s->ctx, GH_MEMORY, "no memory for a run");
   gh_set_log(quiet, warning_note, run);
-  gh_status status = study_problem_open(quiet, j->s, at.setting, at.member, -1, &p);
+  gh_status status = study_problem_open(quiet, j->s, at.config, at.member, -1, &p);
   if (status != GH_OK) { /* it was in order when the study was read */
     status = gh_fail(j->s->ctx, status == GH_INPUT ? GH_SYSTEM : status, "%s", gh_message(quiet));
   } else if (strcmp(p.id, run->id) != 0) {
@@ -138,12 +138,12 @@ static gh_status keep(job *j, place at) {
   gh_text *record;
   char *path = NULL;
   GH_TRY(gh_text_create(j->s->ctx, &record));
-  gh_status status = study_record_print(j->s, at.setting, run, record);
+  gh_status status = study_record_print(j->s, at.config, run, record);
   if (status == GH_OK) status = study_record_path(j->s, j->folder, run->id, &path);
   if (status == GH_OK && is_kept(run)) status = gh_text_commit(record, path);
   if (status == GH_OK && study_team_rank(j->team) > 0) {
     size_t length;
-    if (gh_text_get(record, &length)) gh_text_print(j->given, "%d %d %zu\n", at.setting, at.member, length);
+    if (gh_text_get(record, &length)) gh_text_print(j->given, "%d %d %zu\n", at.config, at.member, length);
     gh_text_join(j->given, record);
   }
   free(path);
@@ -155,7 +155,7 @@ static gh_status do_run(job *j, place at) {
   char name[256];
   study_run *run = run_at(j->s, at);
   clear(run);
-  study_run_name(j->s, at.setting, at.member, name, sizeof name);
+  study_run_name(j->s, at.config, at.member, name, sizeof name);
   gh_status status = compute(j, at, run);
   if (status == GH_OK && !run->finished) return gh_fail(j->s->ctx, GH_STOPPED, "stopped on request");
   if (status == GH_OK) status = keep(j, at);
@@ -179,7 +179,7 @@ static gh_status work(job *j) {
 
 /* ---- what others have done ---- */
 
-/* "STATUS MESSAGE\n", then "SETTING MEMBER LENGTH\n" and a record for each run. */
+/* "STATUS MESSAGE\n", then "CONFIGURATION MEMBER LENGTH\n" and a record for each run. */
 static gh_status take(void *data, const char *text) {
   job *j = data;
   gh_study *s = j->s;
@@ -187,13 +187,13 @@ static gh_status take(void *data, const char *text) {
   int status = 0, used = 0;
   const char *end = strchr(text, '\n');
   if (!end || sscanf(text, "%d%n", &status, &used) != 1)
-    return gh_fail(s->ctx, GH_INTERNAL, "a rank has told nothing");
+    return gh_fail(s->ctx, GH_INTERNAL, "a rank has reported nothing");
   for (const char *at = end + 1; *at && first == GH_OK;) {
     place p;
     size_t length;
-    if (sscanf(at, "%d %d %zu%n", &p.setting, &p.member, &length, &used) != 3 || p.setting < 0 ||
-        p.setting >= s->nsettings || p.member < 0 || p.member >= s->settings[p.setting].nruns)
-      return gh_fail(s->ctx, GH_INTERNAL, "a rank has told what cannot be read");
+    if (sscanf(at, "%d %d %zu%n", &p.config, &p.member, &length, &used) != 3 || p.config < 0 ||
+        p.config >= s->nconfigs || p.member < 0 || p.member >= s->configs[p.config].nruns)
+      return gh_fail(s->ctx, GH_INTERNAL, "a rank has reported what cannot be read");
     at += used + 1;
     char *record = strndup(at, length);
     first = record ? study_record_parse(s, record, run_at(s, p)) : gh_fail(s->ctx, GH_MEMORY, "no memory");
@@ -235,7 +235,7 @@ static bool is_first(const job *j, int k) {
   return k == 0 || strcmp(run_at(j->s, j->all[k])->id, run_at(j->s, j->all[k - 1])->id) != 0;
 }
 
-/* Settings may come to the same: one of them has run, and it is the first of those with its id. */
+/* Configurations may come to the same: one of them has run, and it is the first of those with its id. */
 static gh_status copy_twins(job *j) {
   gh_study *s = j->s;
   gh_text *text;
@@ -243,7 +243,7 @@ static gh_status copy_twins(job *j) {
     const study_run *twin = run_at(s, j->all[k - 1]);
     if (is_first(j, k) || !twin->finished) continue;
     GH_TRY(gh_text_create(s->ctx, &text));
-    gh_status status = study_record_print(s, j->all[k - 1].setting, twin, text);
+    gh_status status = study_record_print(s, j->all[k - 1].config, twin, text);
     if (status == GH_OK) status = gh_text_check(text);
     if (status == GH_OK) status = study_record_parse(s, gh_text_get(text, NULL), run_at(s, j->all[k]));
     gh_text_destroy(&text);
@@ -270,20 +270,20 @@ static int by_id(const void *a, const void *b) {
 static gh_status list_runs(job *j) {
   gh_study *s = j->s;
   entry *list;
-  for (int k = 0; k < s->nsettings; k++) j->total += s->settings[k].nruns;
+  for (int k = 0; k < s->nconfigs; k++) j->total += s->configs[k].nruns;
   GH_TRY(gh_alloc(s->ctx, (size_t)j->total, sizeof *j->all, &j->all));
   GH_TRY(gh_alloc(s->ctx, (size_t)j->total, sizeof *j->todo, &j->todo));
   GH_TRY(gh_alloc(s->ctx, (size_t)j->total, sizeof *list, &list));
-  for (int k = 0, n = 0; k < s->nsettings; k++)
-    for (int m = 0; m < s->settings[k].nruns; m++, n++)
-      list[n] = (entry){.id = s->settings[k].runs[m].id, .number = n, .at = {k, m}};
+  for (int k = 0, n = 0; k < s->nconfigs; k++)
+    for (int m = 0; m < s->configs[k].nruns; m++, n++)
+      list[n] = (entry){.id = s->configs[k].runs[m].id, .number = n, .at = {k, m}};
   if (j->total > 0) qsort(list, (size_t)j->total, sizeof *list, by_id);
   for (int k = 0; k < j->total; k++) j->all[k] = list[k].at;
   free(list);
   return GH_OK;
 }
 
-/* All ranks have read the same study: they tell each other runs by numbers. */
+/* All ranks have read the same study: they refer to runs by numbers. */
 static gh_status agree_on_runs(job *j) {
   uint64_t sum = study_hash(study_hash_begin, &j->total, sizeof j->total);
   for (int k = 0; k < j->total; k++) {
@@ -310,7 +310,7 @@ static gh_status make_folder(const job *j) {
   return status;
 }
 
-/* An old record would be taken for a new one where a fresh study is stopped and goes on. */
+/* An old record would be taken for a new one where a fresh study is stopped and continued. */
 static gh_status forget(const job *j, const study_run *run) {
   char *path;
   GH_TRY(study_record_path(j->s, j->folder, run->id, &path));
@@ -346,7 +346,7 @@ static gh_status prepare(job *j, unsigned char *flags) {
 
 static int by_place(const void *a, const void *b) {
   const place *x = a, *y = b;
-  return x->setting != y->setting ? x->setting - y->setting : x->member - y->member;
+  return x->config != y->config ? x->config - y->config : x->member - y->member;
 }
 
 /* What is to be done, in the order of the file. On all ranks or on none. */
@@ -394,33 +394,33 @@ static gh_status clear_old(const job *j) {
   for (size_t k = 0; k < sizeof names / sizeof *names; k++) {
     char *path = gh_path_join(j->folder, names[k]);
     if (!path) return gh_fail(j->s->ctx, GH_MEMORY, "no memory for a path");
-    unlink(path); /* what cannot be removed cannot be written either, and that is told */
+    unlink(path); /* what cannot be removed cannot be written either, and that is reported */
     free(path);
   }
   return GH_OK;
 }
 
-/* A study without any answer has failed; its tables say why. */
+/* A study without any answer has failed; its tables show why. */
 static gh_status look_for_results(gh_study *s) {
   char name[256];
-  for (int k = 0; k < s->nsettings; k++)
-    for (int m = 0; m < s->settings[k].nruns && !s->settings[k].extra; m++)
-      if (s->settings[k].runs[m].status == GH_OK) return GH_OK;
+  for (int k = 0; k < s->nconfigs; k++)
+    for (int m = 0; m < s->configs[k].nruns && !s->configs[k].extra; m++)
+      if (s->configs[k].runs[m].status == GH_OK) return GH_OK;
   study_run_name(s, 0, 0, name, sizeof name);
-  return gh_fail(s->ctx, GH_DIVERGED, "no setting has a result; the first one, %s: %s", name,
-                 s->settings[0].runs[0].message);
+  return gh_fail(s->ctx, GH_DIVERGED, "no configuration has a result; the first one, %s: %s", name,
+                 s->configs[0].runs[0].message);
 }
 
 /* What the system refused is no result: the tables have a gap that another attempt may fill. */
 static gh_status look_for_refused(gh_study *s) {
   char name[256];
-  int runs = 0, refused = 0, setting = 0, member = 0;
-  for (int k = 0; k < s->nsettings; k++)
-    for (int m = 0; m < s->settings[k].nruns; m++, runs++)
-      if (!is_kept(s->settings[k].runs + m) && refused++ == 0) setting = k, member = m;
+  int runs = 0, refused = 0, config = 0, member = 0;
+  for (int k = 0; k < s->nconfigs; k++)
+    for (int m = 0; m < s->configs[k].nruns; m++, runs++)
+      if (!is_kept(s->configs[k].runs + m) && refused++ == 0) config = k, member = m;
   if (refused == 0) return GH_OK;
-  const study_run *run = s->settings[setting].runs + member;
-  study_run_name(s, setting, member, name, sizeof name);
+  const study_run *run = s->configs[config].runs + member;
+  study_run_name(s, config, member, name, sizeof name);
   return gh_fail(s->ctx, run->status,
                  "the system refused %d of %d runs; the first one, %s: %s; the same command repeats them",
                  refused, runs, name, run->message);
@@ -452,7 +452,7 @@ static gh_status tell_stop(job *j) {
   }
   return gh_fail(
       j->s->ctx, GH_STOPPED,
-      "stopped on request: %d of %d runs are finished and stay; the same command%s goes on with the "
+      "stopped on request: %d of %d runs are finished and kept; the same command%s continues with the "
       "others",
       finished, j->total, j->fresh ? " without --fresh" : "");
 }

@@ -1,21 +1,21 @@
-/* What a study says in sentences. SPDX-License-Identifier: GPL-2.0-or-later */
+/* The results of a study in sentences. SPDX-License-Identifier: GPL-2.0-or-later */
 #include "study/judge.h"
 
 #include <string.h>
 
 enum { NAME = 512, FEW_REFERENCES = 6, ANY = -2 };
 
-/* ---- which setting ---- */
+/* ---- which configuration ---- */
 
 static bool competes(const gh_study *s, int k, int reference) {
-  return study_is_rated(s, k) && (reference == ANY || s->settings[k].reference == reference);
+  return study_is_rated(s, k) && (reference == ANY || s->configs[k].reference == reference);
 }
 
 /* The cheapest in core seconds whose error is at most the goal, of two the more accurate; -1: none. Of those
  * with this reference, or ANY. */
 static int cheapest(const gh_study *s, int reference, double goal) {
   int best = -1;
-  for (int k = 0; k < s->nsettings; k++) {
+  for (int k = 0; k < s->nconfigs; k++) {
     if (!competes(s, k, reference) || study_error_of(s, k) > goal) continue;
     double core = s->verdict->row[k].core, least = best < 0 ? INFINITY : s->verdict->row[best].core;
     if (core < least || (core == least && study_error_of(s, k) < study_error_of(s, best))) best = k;
@@ -25,7 +25,7 @@ static int cheapest(const gh_study *s, int reference, double goal) {
 
 static int nearest(const gh_study *s, int reference) {
   int best = -1;
-  for (int k = 0; k < s->nsettings; k++)
+  for (int k = 0; k < s->nconfigs; k++)
     if (competes(s, k, reference) && (best < 0 || study_error_of(s, k) < study_error_of(s, best))) best = k;
   return best;
 }
@@ -33,7 +33,7 @@ static int nearest(const gh_study *s, int reference) {
 /* ---- one sentence ---- */
 
 static bool is_ensemble(const gh_study *s, int k) {
-  return s->settings[k].nruns > 1;
+  return s->configs[k].nruns > 1;
 }
 
 /* " (error 3.10e-3, 0.820 s of one core, 1.20e6 pair evaluations)" */
@@ -53,12 +53,12 @@ static void print_price(const gh_study *s, int k, gh_text *out) {
   gh_text_print(out, ")");
 }
 
-/* What an ensemble cannot tell. A goal of 0: none is asked for. */
+/* Where an ensemble is too small for the difference. A goal of 0: there is none. */
 static void print_doubt(const gh_study *s, int k, double goal, gh_text *out) {
   const study_judged *row = s->verdict->row + k;
   double error = row->l2[s->main], chance = row->chance[s->main];
   if (!(chance > error)) return;
-  gh_text_print(out, " With %d packings this difference can't be told from chance", row->members);
+  gh_text_print(out, " With %d packings this difference cannot be distinguished from chance", row->members);
   if (error <= goal && error + chance > goal) gh_text_print(out, ", so whether the goal is met remains open");
   gh_text_print(out, ".");
 }
@@ -75,7 +75,7 @@ static void print_choice(const gh_study *s, int k, double goal, study_style styl
 
 /* The goals are descending, so those that nothing reaches are the last ones: one sentence names them all. */
 static void print_unreached(const gh_study *s, int reference, int first, study_style style, gh_text *out) {
-  gh_text_print(out, "No setting reaches");
+  gh_text_print(out, "No configuration reaches");
   for (int k = first; k < s->ngoals; k++)
     gh_text_print(out, "%s %s",
                   k == first          ? ""
@@ -99,46 +99,46 @@ static void print_goals(const gh_study *s, int reference, study_style style, con
   }
 }
 
-/* Settings with references of their own answer different questions: each gets its sentences, as long as these
- * are few. */
+/* Configurations with references of their own answer different questions: each gets its sentences, as long as
+ * these are few. */
 void study_print_sentences(const gh_study *s, study_style style, const char *lead, gh_text *out) {
   if (nearest(s, ANY) < 0) {
     const char *why = NULL;
-    for (int k = 0; k < s->nsettings && !why; k++) why = s->verdict->row[k].why;
-    gh_text_print(out, "%sNo setting could be compared with the reference%s%s.\n", lead, why ? ": " : "",
-                  why ? why : "");
+    for (int k = 0; k < s->nconfigs && !why; k++) why = s->verdict->row[k].why;
+    gh_text_print(out, "%sNo configuration could be compared with the reference%s%s.\n", lead,
+                  why ? ": " : "", why ? why : "");
     return;
   }
   int references = 0;
-  for (int k = 0; k < s->nsettings; k++) references += study_first_of_reference(s, k);
+  for (int k = 0; k < s->nconfigs; k++) references += study_first_of_reference(s, k);
   if (references > FEW_REFERENCES) print_goals(s, ANY, style, lead, out);
-  for (int k = 0; k < s->nsettings && references <= FEW_REFERENCES; k++)
-    if (study_first_of_reference(s, k)) print_goals(s, s->settings[k].reference, style, lead, out);
+  for (int k = 0; k < s->nconfigs && references <= FEW_REFERENCES; k++)
+    if (study_first_of_reference(s, k)) print_goals(s, s->configs[k].reference, style, lead, out);
 }
 
 /* ---- what was done ---- */
 
 static int table_rows(const gh_study *s) {
   int n = 0;
-  for (int k = 0; k < s->nsettings; k++) n += !s->settings[k].extra;
+  for (int k = 0; k < s->nconfigs; k++) n += !s->configs[k].extra;
   return n;
 }
 
 void study_print_subject(const gh_study *s, study_style style, gh_text *out) {
   const char *slash = s->path ? strrchr(s->path, '/') : NULL;
   int rows = table_rows(s), most = 0;
-  for (int k = 0; k < s->nsettings; k++)
-    if (!s->settings[k].extra && s->settings[k].nruns > most) most = s->settings[k].nruns;
-  gh_text_print(out, "%d setting%s of ", rows, rows == 1 ? "" : "s");
+  for (int k = 0; k < s->nconfigs; k++)
+    if (!s->configs[k].extra && s->configs[k].nruns > most) most = s->configs[k].nruns;
+  gh_text_print(out, "%d configuration%s of ", rows, rows == 1 ? "" : "s");
   study_print_escaped(out, style, s->path ? (slash ? slash + 1 : s->path) : "the study");
-  for (int k = 0; k < s->nknobs; k++) {
-    gh_text_print(out, "%s%s ", k == 0 ? " (" : "; ", s->knobs[k].name);
-    for (int v = 0; v < s->knobs[k].nvalues; v++) {
+  for (int k = 0; k < s->nparameters; k++) {
+    gh_text_print(out, "%s%s ", k == 0 ? " (" : "; ", s->parameters[k].name);
+    for (int v = 0; v < s->parameters[k].nvalues; v++) {
       gh_text_print(out, "%s", v ? ", " : "");
-      study_print_plain(out, style, s->knobs[k].value[v]);
+      study_print_plain(out, style, s->parameters[k].value[v]);
     }
   }
-  gh_text_print(out, "%s", s->nknobs > 0 ? ")" : "");
+  gh_text_print(out, "%s", s->nparameters > 0 ? ")" : "");
   if (most > 1) gh_text_print(out, ", each with up to %d packings", most);
   gh_text_print(out, ", compared with ");
   study_print_escaped(out, style, s->reference_text ? s->reference_text : "the reference");
@@ -150,7 +150,7 @@ void study_print_subject(const gh_study *s, study_style style, gh_text *out) {
 static void note_references(const gh_study *s, gh_text *out) {
   double least = INFINITY, most = 0;
   int n = 0;
-  for (int k = 0; k < s->nsettings; k++) {
+  for (int k = 0; k < s->nconfigs; k++) {
     const study_judged *row = s->verdict->row + k;
     if (!study_is_reference(s, k) || row->members == 0) continue;
     least = fmin(least, row->core), most = fmax(most, row->core);
@@ -165,8 +165,8 @@ static void note_references(const gh_study *s, gh_text *out) {
 /* Answers and seconds that may not be those of this program. */
 static void note_builds(const gh_study *s, gh_text *out) {
   int others = 0, all = 0;
-  for (int k = 0; k < s->nsettings; k++)
-    for (int m = 0; m < s->settings[k].nruns; m++, all++) others += s->settings[k].runs[m].other_build;
+  for (int k = 0; k < s->nconfigs; k++)
+    for (int m = 0; m < s->configs[k].nruns; m++, all++) others += s->configs[k].runs[m].other_build;
   if (others > 0)
     gh_text_print(
         out,
@@ -176,7 +176,7 @@ static void note_builds(const gh_study *s, gh_text *out) {
 }
 
 static bool any_zero(const gh_study *s) {
-  for (int k = 0; k < s->nsettings; k++)
+  for (int k = 0; k < s->nconfigs; k++)
     if (study_is_rated(s, k) && study_error_of(s, k) == 0) return true;
   return false;
 }

@@ -14,11 +14,11 @@ static void print_field(gh_text *out, const char *text) {
   gh_text_print(out, "\"");
 }
 
-static void print_setting(const gh_study *s, int k, gh_text *out) {
+static void print_config(const gh_study *s, int k, gh_text *out) {
   gh_text_print(out, "%d", k);
-  for (int j = 0; j < s->nknobs; j++) {
+  for (int j = 0; j < s->nparameters; j++) {
     char text[STUDY_CELL];
-    const char *value = s->settings[k].value[j];
+    const char *value = s->configs[k].value[j];
     gh_text_print(out, ",");
     print_field(out, strlen(value) < sizeof text ? study_plain(value, text, sizeof text) : value);
   }
@@ -26,9 +26,9 @@ static void print_setting(const gh_study *s, int k, gh_text *out) {
 
 static void print_head(const gh_study *s, gh_text *out) {
   gh_text_print(out, "setting");
-  for (int j = 0; j < s->nknobs; j++) {
+  for (int j = 0; j < s->nparameters; j++) {
     gh_text_print(out, ",");
-    print_field(out, s->knobs[j].name);
+    print_field(out, s->parameters[j].name);
   }
 }
 
@@ -83,7 +83,7 @@ const gh_term_list *gh_study_columns(void) {
 }
 
 static const char *outcome(const gh_study *s, int k) {
-  const study_setting *g = s->settings + k;
+  const study_config *g = s->configs + k;
   int finished = 0, members = s->verdict->row[k].members;
   for (int m = 0; m < g->nruns; m++) finished += g->runs[m].finished;
   if (finished < g->nruns) return "unfinished";
@@ -103,12 +103,12 @@ void study_write_csv(const gh_study *s, gh_text *out) {
   gh_text_print(out, ",");
   gh_terms_header(out, study_csv_tail, ",");
   gh_text_print(out, "\n");
-  for (int k = 0; k < s->nsettings; k++) {
+  for (int k = 0; k < s->nconfigs; k++) {
     const study_judged *r = s->verdict->row + k;
-    print_setting(s, k, out);
+    print_config(s, k, out);
     gh_text_print(out, ",");
-    print_field(out, s->settings[k].also ? s->settings[k].also : "");
-    gh_text_print(out, ",%d,%s,%d,%d,%d", s->settings[k].reference, outcome(s, k), s->settings[k].nruns,
+    print_field(out, s->configs[k].also ? s->configs[k].also : "");
+    gh_text_print(out, ",%d,%s,%d,%d,%d", s->configs[k].reference, outcome(s, k), s->configs[k].nruns,
                   r->members, r->points);
     for (int q = 0; q < s->nquantities; q++)
       gh_text_print(out, ",%.17g,%.17g,%.17g,%.17g,%.17g", r->l2[q], r->largest[q], r->single[q],
@@ -127,15 +127,15 @@ void study_write_curves(const gh_study *s, gh_text *out) {
   gh_text_print(out, ",t,members");
   for (int c = 0; c < s->ncolumns; c++) gh_text_print(out, ",%s,%s_deviation", s->column[c], s->column[c]);
   gh_text_print(out, "\n");
-  for (int k = 0; k < s->nsettings; k++) {
-    const study_curve *first = study_first_curve(s->settings + k);
+  for (int k = 0; k < s->nconfigs; k++) {
+    const study_curve *first = study_first_curve(s->configs + k);
     for (int row = 0; first && row < first->n; row++) {
-      int members = study_members_at(s, s->settings + k, first->t[row], 0).n;
+      int members = study_members_at(s, s->configs + k, first->t[row], 0).n;
       if (members == 0) continue;
-      print_setting(s, k, out);
+      print_config(s, k, out);
       gh_text_print(out, ",%.17g,%d", first->t[row], members);
       for (int c = 0; c < s->ncolumns; c++) {
-        study_sample x = study_members_at(s, s->settings + k, first->t[row], c);
+        study_sample x = study_members_at(s, s->configs + k, first->t[row], c);
         gh_text_print(out, ",%.17g,%.17g", x.mean, x.deviation);
       }
       gh_text_print(out, "\n");

@@ -198,7 +198,7 @@ static int piece_receive(study_team *t, int rank, void (*hear)(void *data, const
   }
   MPI_Recv(piece, PIECE, MPI_CHAR, rank, TAG_TEXT, t->comm, &status);
   MPI_Get_count(&status, MPI_CHAR, &n);
-  study_team_listen(t, hear, hear_data); /* what was told before the text */
+  study_team_listen(t, hear, hear_data); /* what was reported before the text */
   return n;
 }
 

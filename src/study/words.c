@@ -92,7 +92,7 @@ void study_print_plain(gh_text *out, study_style style, const char *value) {
   for (const bool quoted = at > value; at < end;) print_letter(out, style, next_letter(&at, quoted));
 }
 
-/* ---- names of settings ---- */
+/* ---- names of configurations ---- */
 
 __attribute__((format(printf, 3, 4))) static void append(char *text, size_t size, const char *format, ...) {
   size_t n = strlen(text);
@@ -102,57 +102,59 @@ __attribute__((format(printf, 3, 4))) static void append(char *text, size_t size
   va_end(args);
 }
 
-static bool varied(const gh_study *s, int knob) {
-  for (int k = 0; k < s->nknobs; k++)
-    if (s->knobs[k].nvalues > 1) return s->knobs[knob].nvalues > 1;
-  return true; /* a study of one setting names all its knobs */
+static bool varied(const gh_study *s, int parameter) {
+  for (int k = 0; k < s->nparameters; k++)
+    if (s->parameters[k].nvalues > 1) return s->parameters[parameter].nvalues > 1;
+  return true; /* a study of one configuration names all its parameters */
 }
 
-int study_varied_knob(const gh_study *s, int i) {
-  for (int k = 0; k < s->nknobs; k++)
+int study_varied_parameter(const gh_study *s, int i) {
+  for (int k = 0; k < s->nparameters; k++)
     if (varied(s, k) && i-- == 0) return k;
   return -1;
 }
 
-void study_name(const gh_study *s, int setting, int except, char *text, size_t size) {
-  const study_setting *g = s->settings + setting;
+void study_name(const gh_study *s, int config, int except, char *text, size_t size) {
+  const study_config *g = s->configs + config;
   char value[STUDY_CELL];
   *text = 0;
-  for (int k = 0; k < s->nknobs; k++)
+  for (int k = 0; k < s->nparameters; k++)
     if (k != except && (varied(s, k) || g->choice[k] < 0))
-      append(text, size, "%s%s %s", *text ? ", " : "", s->knobs[k].name,
+      append(text, size, "%s%s %s", *text ? ", " : "", s->parameters[k].name,
              study_plain(g->value[k], value, sizeof value));
   if (g->also && *g->also) append(text, size, "%s%s", *text ? ", " : "", g->also);
 }
 
-void study_short_value(const gh_study *s, int setting, int knob, char *text, size_t size) {
+void study_short_value(const gh_study *s, int config, int parameter, char *text, size_t size) {
   char value[STUDY_CELL];
-  const char *slash = strrchr(study_plain(s->settings[setting].value[knob], value, sizeof value), '/');
-  bool file = strcmp(s->knobs[knob].name, "packing") == 0;
+  const char *slash = strrchr(study_plain(s->configs[config].value[parameter], value, sizeof value), '/');
+  bool file = strcmp(s->parameters[parameter].name, "packing") == 0;
   snprintf(text, size, "%s", file && slash ? slash + 1 : value);
   size_t n = strlen(text);
   if (file && n > 5 && strcmp(text + n - 5, ".data") == 0) text[n - 5] = 0;
 }
 
-/* The last part of a knob's name, or all of it where another knob ends alike. */
-static const char *short_name(const gh_study *s, int knob) {
-  const char *dot = strrchr(s->knobs[knob].name, '.'), *name = dot ? dot + 1 : s->knobs[knob].name;
-  for (int k = 0; k < s->nknobs; k++) {
-    const char *other = strrchr(s->knobs[k].name, '.');
-    if (k != knob && strcmp(other ? other + 1 : s->knobs[k].name, name) == 0) return s->knobs[knob].name;
+/* The last part of a parameter's name, or all of it where another parameter ends alike. */
+static const char *short_name(const gh_study *s, int parameter) {
+  const char *dot = strrchr(s->parameters[parameter].name, '.'),
+             *name = dot ? dot + 1 : s->parameters[parameter].name;
+  for (int k = 0; k < s->nparameters; k++) {
+    const char *other = strrchr(s->parameters[k].name, '.');
+    if (k != parameter && strcmp(other ? other + 1 : s->parameters[k].name, name) == 0)
+      return s->parameters[parameter].name;
   }
   return name;
 }
 
-void study_legend(const gh_study *s, int setting, int except, char *text, size_t size) {
+void study_legend(const gh_study *s, int config, int except, char *text, size_t size) {
   char value[128];
   *text = 0;
-  for (int k = 0; k < s->nknobs; k++) {
+  for (int k = 0; k < s->nparameters; k++) {
     if (k == except || !varied(s, k)) continue;
-    study_short_value(s, setting, k, value, sizeof value);
+    study_short_value(s, config, k, value, sizeof value);
     /* words speak for themselves; numbers and yes or no need their name */
-    bool bare = s->knobs[k].nvalues > 0 && isnan(s->knobs[k].number[0]) && strcmp(value, "true") != 0 &&
-                strcmp(value, "false") != 0 && *value != '[';
+    bool bare = s->parameters[k].nvalues > 0 && isnan(s->parameters[k].number[0]) &&
+                strcmp(value, "true") != 0 && strcmp(value, "false") != 0 && *value != '[';
     append(text, size, "%s%s%s%s", *text ? ", " : "", bare ? "" : short_name(s, k), bare ? "" : " ", value);
   }
 }

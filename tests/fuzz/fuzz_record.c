@@ -14,7 +14,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
   const char *folder = getenv("FUZZ_DATA");
   fuzz_require(folder && chdir(folder) == 0, "FUZZ_DATA is not the folder that tests/fuzz/run.py prepares");
   fuzz_require(gh_study_read(ctx, "studies/small.yaml", false, &study) == GH_OK, gh_message(ctx));
-  study_run run = study->settings[0].runs[0];
+  study_run run = study->configs[0].runs[0];
   run.curve = (study_curve){0};
   char *text = fuzz_text(data, size), *check = strstr(text, "  \"check\": \""), *whole = NULL;
   if (check) *check = 0;

@@ -49,7 +49,7 @@ E
 # --- one process ---
 "$granhom" study rve.yaml -o rve1 >said 2>err; say $? 'a study of one packing runs'
 [ "$(grep -c 'of 16: micro' err)" = 16 ] && grep -q '^16 of 16: .* s' err; say $? 'one line for each run that is finished'
-grep -q '^For 1 % of the stress: ' said && [ "$(grep -c . rve1/study.csv)" = 17 ]; say $? 'sentences on the screen, a row for each setting and each reference in study.csv'
+grep -q '^For 1 % of the stress: ' said && [ "$(grep -c . rve1/study.csv)" = 17 ]; say $? 'sentences on the screen, a row for each configuration and each reference in study.csv'
 grep -q 'no equilibrium within 2 relaxation steps' rve1/study.md; say $? 'runs that failed are listed with their reason, and the study is done'
 [ "$(records rve1)" = 16 ]; say $? 'each run has a record'
 if command -v gnuplot >/dev/null; then [ -s rve1/work-precision.png ]; say $? 'a picture is drawn'; fi
@@ -59,10 +59,10 @@ if [ -c /dev/full ]; then
   "$granhom" study rve.yaml -o rve1 2>err >/dev/full; [ $? = 1 ] && [ "$(grep -c '^granhom: standard output cannot be written' err)" = 1 ]; say $? 'a screen that is full is told'
 fi
 "$granhom" study rve.yaml -o quick --quick >said 2>err; say $? '--quick runs'
-[ "$(grep -c 'of 2: ' err)" = 2 ] && [ "$(grep -c . quick/study.csv)" = 3 ]; say $? 'and has its own settings'
-"$granhom" study rve.yaml --explain >said 2>err && grep -q 'settings: 12, and 4 more as references; 16 runs in all' said &&
+[ "$(grep -c 'of 2: ' err)" = 2 ] && [ "$(grep -c . quick/study.csv)" = 3 ]; say $? 'and has its own configurations'
+"$granhom" study rve.yaml --explain >said 2>err && grep -q 'configurations: 12, and 4 more as references; 16 runs in all' said &&
   grep -q 'reference: the same with micro.tolerance 1e-11' said
-say $? '--explain tells settings, references and runs'
+say $? '--explain prints configurations, references and runs'
 "$granhom" study block.yaml -o block1 --quiet >said 2>err && [ ! -s said ] && [ ! -s err ]; say $? 'a study of a scene runs, and is silent with --quiet'
 "$granhom" run scene.yaml -o run --quiet 2>err
 sed 's/\[1, 1\], \[2, 2\]/[1, 2], [2, 2]/; /^base/d' block.yaml >same.yaml
@@ -107,7 +107,7 @@ grep -q '^exit 1$' err && [ "$(grep -c '^granhom: .*cannot write' err)" = 1 ] &&
 "$granhom" study rve.yaml -o tight --quiet 2>err && [ "$(records tight)" = 16 ]; say $? 'and the study goes on when there is room'
 sed 's/400000, 2\]/1, 2]/; s/\[taylor-cell, periodic\]/[periodic]/' rve.yaml >none.yaml
 "$granhom" study none.yaml -o none >said 2>err
-[ $? = 1 ] && grep -q '^granhom: no setting has a result; the first one, micro.tolerance 1e-1' err; say $? 'exit 1 when no setting has a result'
+[ $? = 1 ] && grep -q '^granhom: no configuration has a result; the first one, micro.tolerance 1e-1' err; say $? 'exit 1 when no configuration has a result'
 [ -s none/study.md ]; say $? 'and the table tells why'
 
 sed 's/^reference.*/reference: {set: {micro.max_steps: 2}}/; /400000/d' rve.yaml >lame.yaml
@@ -134,7 +134,7 @@ sed 's/increments: 4}\]/increments: 3000}]/; s/\[400000, 2\]/[400000, 300000]/; 
 job=$!
 until_records 3 long
 kill -TERM $job; wait $job; code=$?
-[ $code = 1 ] && grep -q '^granhom: stopped on request: [0-9]* of 16 runs are finished and stay' err; say $? 'SIGTERM: exit 1, finished runs stay'
+[ $code = 1 ] && grep -q '^granhom: stopped on request: [0-9]* of 16 runs are finished and kept' err; say $? 'SIGTERM: exit 1, finished runs stay'
 kept=$(records long)
 "$granhom" study long.yaml -o long >said 2>err &
 job=$!

@@ -25,12 +25,12 @@ static inline void *made_array(size_t n, size_t size) {
   return p;
 }
 
-/* A knob with its values, of which NULL ends the list. */
-static inline void made_knob(gh_study *s, const char *name, const char *const *values) {
-  s->knobs = realloc(s->knobs, (size_t)(s->nknobs + 1) * sizeof *s->knobs);
-  assert_non_null(s->knobs);
-  study_knob *k = s->knobs + s->nknobs++;
-  *k = (study_knob){.name = made_text(name)};
+/* A parameter with its values, of which NULL ends the list. */
+static inline void made_parameter(gh_study *s, const char *name, const char *const *values) {
+  s->parameters = realloc(s->parameters, (size_t)(s->nparameters + 1) * sizeof *s->parameters);
+  assert_non_null(s->parameters);
+  study_parameter *k = s->parameters + s->nparameters++;
+  *k = (study_parameter){.name = made_text(name)};
   while (values[k->nvalues]) k->nvalues++;
   k->value = made_array((size_t)k->nvalues, sizeof *k->value);
   k->number = made_array((size_t)k->nvalues, sizeof *k->number);
@@ -61,23 +61,24 @@ static inline gh_study *made_study(gh_context *ctx) {
   return s;
 }
 
-/* All combinations of the values, the last knob fastest, each with so many runs, and room for `extra` more.
+/* All combinations of the values, the last parameter fastest, each with so many runs, and room for `extra`
+ * more.
  */
-static inline void made_settings(gh_study *s, int nruns, int extra) {
+static inline void made_configs(gh_study *s, int nruns, int extra) {
   int n = 1;
-  for (int k = 0; k < s->nknobs; k++) n *= s->knobs[k].nvalues;
-  s->nsettings = n + extra;
-  s->settings = made_array((size_t)s->nsettings, sizeof *s->settings);
-  for (int i = 0; i < s->nsettings; i++) {
-    study_setting *g = s->settings + i;
-    g->value = made_array((size_t)s->nknobs, sizeof *g->value);
-    g->choice = made_array((size_t)s->nknobs, sizeof *g->choice);
+  for (int k = 0; k < s->nparameters; k++) n *= s->parameters[k].nvalues;
+  s->nconfigs = n + extra;
+  s->configs = made_array((size_t)s->nconfigs, sizeof *s->configs);
+  for (int i = 0; i < s->nconfigs; i++) {
+    study_config *g = s->configs + i;
+    g->value = made_array((size_t)s->nparameters, sizeof *g->value);
+    g->choice = made_array((size_t)s->nparameters, sizeof *g->choice);
     g->also = made_text("");
     g->extra = i >= n;
     g->reference = -1;
-    for (int k = s->nknobs - 1, rest = i % n; k >= 0; rest /= s->knobs[k--].nvalues) {
-      g->choice[k] = rest % s->knobs[k].nvalues;
-      g->value[k] = made_text(s->knobs[k].value[g->choice[k]]);
+    for (int k = s->nparameters - 1, rest = i % n; k >= 0; rest /= s->parameters[k--].nvalues) {
+      g->choice[k] = rest % s->parameters[k].nvalues;
+      g->value[k] = made_text(s->parameters[k].value[g->choice[k]]);
     }
     g->nruns = nruns;
     g->runs = made_array((size_t)nruns, sizeof *g->runs);
@@ -86,11 +87,11 @@ static inline void made_settings(gh_study *s, int nruns, int extra) {
 }
 
 /* A value that only a reference has. */
-static inline void made_value(gh_study *s, int setting, int knob, const char *value) {
-  study_setting *g = s->settings + setting;
-  free(g->value[knob]);
-  g->value[knob] = made_text(value);
-  g->choice[knob] = -1;
+static inline void made_value(gh_study *s, int config, int parameter, const char *value) {
+  study_config *g = s->configs + config;
+  free(g->value[parameter]);
+  g->value[parameter] = made_text(value);
+  g->choice[parameter] = -1;
 }
 
 static inline void made_curve(study_curve *c, int n, double end, made_law *law, void *data) {
@@ -127,19 +128,19 @@ static inline void made_free_curve(study_curve *c) {
 
 static inline void made_destroy(gh_study *s) {
   study_verdict_destroy(s);
-  for (int i = 0; i < s->nsettings; i++) {
-    study_setting *g = s->settings + i;
-    for (int k = 0; k < s->nknobs; k++) free(g->value[k]);
+  for (int i = 0; i < s->nconfigs; i++) {
+    study_config *g = s->configs + i;
+    for (int k = 0; k < s->nparameters; k++) free(g->value[k]);
     for (int m = 0; m < g->nruns; m++) made_free_curve(&g->runs[m].curve);
     free(g->value), free(g->choice), free(g->also), free(g->runs);
   }
-  for (int k = 0; k < s->nknobs; k++) {
-    for (int v = 0; v < s->knobs[k].nvalues; v++) free(s->knobs[k].value[v]);
-    free(s->knobs[k].name), free(s->knobs[k].value), free(s->knobs[k].number);
+  for (int k = 0; k < s->nparameters; k++) {
+    for (int v = 0; v < s->parameters[k].nvalues; v++) free(s->parameters[k].value[v]);
+    free(s->parameters[k].name), free(s->parameters[k].value), free(s->parameters[k].number);
   }
   for (int c = 0; c < s->ncolumns; c++) free(s->column[c]);
   made_free_curve(&s->given);
-  free(s->knobs), free(s->settings), free(s->column), free(s->quantities), free(s->goals), free(s->plots);
+  free(s->parameters), free(s->configs), free(s->column), free(s->quantities), free(s->goals), free(s->plots);
   free(s->path), free(s->title), free(s->reference_text), free(s->length_unit), free(s->force_unit), free(s);
 }
 

@@ -38,11 +38,11 @@ static inline void run_with_error(study_run *r, double e, double core, long pair
 static inline gh_study *tolerance_study(gh_context *ctx) {
   static const double error[8] = {0, 0.2, 9e-3, 3e-2, 9e-4, 3.1e-3, 5e-6, 4e-5};
   gh_study *s = made_study(ctx);
-  made_knob(s, "micro.tolerance", VALUES("1e-2", "1e-4", "1e-6", "1e-8"));
-  made_knob(s, "micro.boundary", VALUES("restricted", "periodic"));
-  made_settings(s, 1, 0);
-  for (int k = 1; k < 8; k++) run_with_error(s->settings[k].runs, error[k], 0.1 * (k + 1), 1000L * k * k * k);
-  made_failure(s->settings[0].runs, "row 3: no equilibrium | after 400000 steps");
+  made_parameter(s, "micro.tolerance", VALUES("1e-2", "1e-4", "1e-6", "1e-8"));
+  made_parameter(s, "micro.boundary", VALUES("restricted", "periodic"));
+  made_configs(s, 1, 0);
+  for (int k = 1; k < 8; k++) run_with_error(s->configs[k].runs, error[k], 0.1 * (k + 1), 1000L * k * k * k);
+  made_failure(s->configs[0].runs, "row 3: no equilibrium | after 400000 steps");
   made_curve(&s->given, 11, 1, path, NULL);
   s->goals[2] = 1e-6;
   return s;
@@ -52,18 +52,18 @@ static inline gh_study *tolerance_study(gh_context *ctx) {
 static inline gh_study *order_study(gh_context *ctx) {
   static const double error[8] = {4e-2, 3e-2, 1e-2, 4e-3, 2.5e-3, 6e-3, 6.25e-4, 1e-3};
   gh_study *s = made_study(ctx);
-  made_knob(s, "refine", VALUES("1", "2", "4", "8"));
-  made_knob(s, "boundary", VALUES("taylor", "periodic"));
-  made_settings(s, 1, 2);
-  s->reference = STUDY_SETTING;
+  made_parameter(s, "refine", VALUES("1", "2", "4", "8"));
+  made_parameter(s, "boundary", VALUES("taylor", "periodic"));
+  made_configs(s, 1, 2);
+  s->reference = STUDY_CONFIG;
   s->order = 0;
   for (int k = 0; k < 8; k++) {
-    s->settings[k].reference = 8 + k % 2;
-    run_with_error(s->settings[k].runs, error[k], 0.1 * (k / 2 + 1), 1000 * (k / 2 + 1));
+    s->configs[k].reference = 8 + k % 2;
+    run_with_error(s->configs[k].runs, error[k], 0.1 * (k / 2 + 1), 1000 * (k / 2 + 1));
   }
   for (int k = 8; k < 10; k++) {
     made_value(s, k, 0, "16");
-    run_with_error(s->settings[k].runs, 0, 30 * (k - 7), 100000);
+    run_with_error(s->configs[k].runs, 0, 30 * (k - 7), 100000);
   }
   return s;
 }

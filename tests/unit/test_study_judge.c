@@ -40,9 +40,9 @@ static void test_errors(void **state) {
   gh_context *ctx = *state;
   gh_study *s = made_study(ctx);
   double add = 0.01;
-  made_knob(s, "tolerance", VALUES("1e-2"));
-  made_settings(s, 1, 0);
-  made_run(s->settings[0].runs, 4, 3, parabola, &add, 1.5, 100);
+  made_parameter(s, "tolerance", VALUES("1e-2"));
+  made_configs(s, 1, 0);
+  made_run(s->configs[0].runs, 4, 3, parabola, &add, 1.5, 100);
   made_curve(&s->given, 7, 3, parabola, NULL);
   OK(study_judge(s));
   const study_judged *row = s->verdict->row;
@@ -63,15 +63,15 @@ static void test_nothing_to_compare(void **state) {
   gh_context *ctx = *state;
   gh_study *s = made_study(ctx);
   double third = 1.0 / 3;
-  made_knob(s, "k", VALUES("1", "2", "3", "4", "5"));
-  made_settings(s, 1, 0);
-  for (int k = 0; k < 5; k++) s->settings[k].reference = k < 3 ? 3 : 4;
-  s->reference = STUDY_SETTING;
-  made_run(s->settings[0].runs, 4, 3 * (1 + third), parabola, NULL, 1, 1); /* t 0, 4/3, ...: one in common */
-  made_failure(s->settings[1].runs, "no");
-  made_run(s->settings[2].runs, 2, 3, parabola, NULL, 1, 1); /* t 0, 3 */
-  made_run(s->settings[3].runs, 4, 3, parabola, NULL, 1, 1);
-  made_failure(s->settings[4].runs, "no");
+  made_parameter(s, "k", VALUES("1", "2", "3", "4", "5"));
+  made_configs(s, 1, 0);
+  for (int k = 0; k < 5; k++) s->configs[k].reference = k < 3 ? 3 : 4;
+  s->reference = STUDY_CONFIG;
+  made_run(s->configs[0].runs, 4, 3 * (1 + third), parabola, NULL, 1, 1); /* t 0, 4/3, ...: one in common */
+  made_failure(s->configs[1].runs, "no");
+  made_run(s->configs[2].runs, 2, 3, parabola, NULL, 1, 1); /* t 0, 3 */
+  made_run(s->configs[3].runs, 4, 3, parabola, NULL, 1, 1);
+  made_failure(s->configs[4].runs, "no");
   OK(study_judge(s));
   const study_judged *row = s->verdict->row;
   assert_int_equal(row[0].points, 1);
@@ -113,12 +113,12 @@ static void test_ensemble(void **state) {
   gh_context *ctx = *state;
   gh_study *s = made_study(ctx);
   double p[3] = {9, 11, 13}, ten = 10;
-  made_knob(s, "k", VALUES("1"));
-  made_settings(s, 4, 0);
-  for (int m = 0; m < 3; m++) made_run(s->settings[0].runs + m, 5, 1, constant, p + m, 1 + m, 100 * (m + 1));
-  made_failure(s->settings[0].runs + 3, "no");
-  s->settings[0].runs[1].energy_defect = -0.5, s->settings[0].runs[2].energy_defect = 1e-9;
-  s->settings[0].runs[0].residual = 1e-3, s->settings[0].runs[2].residual = 1e-5;
+  made_parameter(s, "k", VALUES("1"));
+  made_configs(s, 4, 0);
+  for (int m = 0; m < 3; m++) made_run(s->configs[0].runs + m, 5, 1, constant, p + m, 1 + m, 100 * (m + 1));
+  made_failure(s->configs[0].runs + 3, "no");
+  s->configs[0].runs[1].energy_defect = -0.5, s->configs[0].runs[2].energy_defect = 1e-9;
+  s->configs[0].runs[0].residual = 1e-3, s->configs[0].runs[2].residual = 1e-5;
   made_curve(&s->given, 5, 1, constant, &ten);
   OK(study_judge(s));
   const study_judged *row = s->verdict->row;
@@ -142,16 +142,16 @@ static void test_paired(void **state) {
   gh_study *s = made_study(ctx);
   static const char *const packing[] = {"a.data", "b.data", "c.data", "d.data"};
   double here[4] = {9.1, 11.2, 13.3, 50}, there[4] = {9, 11, 13, 0};
-  made_knob(s, "k", VALUES("1"));
-  made_settings(s, 4, 1);
-  s->settings[0].reference = 1;
+  made_parameter(s, "k", VALUES("1"));
+  made_configs(s, 4, 1);
+  s->configs[0].reference = 1;
   made_value(s, 1, 0, "2");
   for (int m = 0; m < 4; m++) {
-    s->settings[0].runs[m].packing = s->settings[1].runs[m].packing = packing[m];
-    made_run(s->settings[0].runs + m, 5, 1, constant, here + m, 1, 1);
-    if (m < 3) made_run(s->settings[1].runs + m, 5, 1, constant, there + m, 1, 1);
+    s->configs[0].runs[m].packing = s->configs[1].runs[m].packing = packing[m];
+    made_run(s->configs[0].runs + m, 5, 1, constant, here + m, 1, 1);
+    if (m < 3) made_run(s->configs[1].runs + m, 5, 1, constant, there + m, 1, 1);
   }
-  made_failure(s->settings[1].runs + 3, "no");
+  made_failure(s->configs[1].runs + 3, "no");
   OK(study_judge(s));
   const study_judged *row = s->verdict->row;
   assert_true(row->paired);
@@ -163,7 +163,7 @@ static void test_paired(void **state) {
   NEAR("single", row->single[0], sqrt(own), 1e-14);
 
   /* other packings: both intervals count */
-  s->settings[1].runs[0].packing = "e.data";
+  s->configs[1].runs[0].packing = "e.data";
   OK(study_judge(s));
   row = s->verdict->row;
   assert_false(row->paired);
@@ -211,35 +211,36 @@ static void test_counts(void **state) {
   gh_context *ctx = *state;
   gh_study *s = made_study(ctx);
   double add[2] = {0.1, 0.01};
-  made_knob(s, "k", VALUES("1", "2"));
-  made_settings(s, 1, 0);
+  made_parameter(s, "k", VALUES("1", "2"));
+  made_configs(s, 1, 0);
   for (int k = 0; k < 2; k++) {
-    made_run(s->settings[k].runs, 4, 3, parabola, add + k, 1 + k, 0);
-    s->settings[k].runs->factorisations = 20 - 10 * k;
+    made_run(s->configs[k].runs, 4, 3, parabola, add + k, 1 + k, 0);
+    s->configs[k].runs->factorisations = 20 - 10 * k;
   }
   made_curve(&s->given, 4, 3, parabola, NULL);
   OK(study_judge(s));
   assert_int_equal(study_counts(s), STUDY_FACTORISATIONS);
   assert_true(s->verdict->row[0].pareto && s->verdict->row[1].pareto);
   assert_true(!s->verdict->row[0].pareto_count && s->verdict->row[1].pareto_count);
-  s->settings[0].runs->pair_evaluations = 3;
+  s->configs[0].runs->pair_evaluations = 3;
   OK(study_judge(s));
   assert_int_equal(study_counts(s), STUDY_PAIRS);
   made_destroy(s);
 }
 
-/* Settings with references of their own do not compete: the exact answer of one condition is no rival. */
+/* Configurations with references of their own do not compete: the exact answer of one condition is no rival.
+ */
 static void test_fronts_of_references(void **state) {
   gh_context *ctx = *state;
   gh_study *s = made_study(ctx);
   double add[4] = {0, 0.1, 0, 0.2}, cost[4] = {1, 2, 1, 1};
-  made_knob(s, "tolerance", VALUES("1", "2"));
-  made_knob(s, "boundary", VALUES("taylor", "periodic"));
-  made_settings(s, 1, 2);
-  s->reference = STUDY_SETTING;
+  made_parameter(s, "tolerance", VALUES("1", "2"));
+  made_parameter(s, "boundary", VALUES("taylor", "periodic"));
+  made_configs(s, 1, 2);
+  s->reference = STUDY_CONFIG;
   for (int k = 0; k < 6; k++) {
-    if (k < 4) s->settings[k].reference = 4 + k % 2;
-    made_run(s->settings[k].runs, 4, 3, parabola, k < 4 ? add + k : NULL, k < 4 ? cost[k] : 9, 5);
+    if (k < 4) s->configs[k].reference = 4 + k % 2;
+    made_run(s->configs[k].runs, 4, 3, parabola, k < 4 ? add + k : NULL, k < 4 ? cost[k] : 9, 5);
   }
   OK(study_judge(s));
   const study_judged *row = s->verdict->row;
@@ -256,19 +257,21 @@ static double beside(double t, int column, void *data) {
   return column == 0 ? t * t : column == 1 && data ? *(double *)data : 0;
 }
 
-/* Errors c h^p of a knob that grows (refine, h = 1/k) or shrinks (tolerance, h = k), given out of order. */
-static void order_of(gh_context *ctx, const char *knob, const char *const *values, bool grows, double p) {
+/* Errors c h^p of a parameter that grows (refine, h = 1/k) or shrinks (tolerance, h = k), given out of order.
+ */
+static void order_of(gh_context *ctx, const char *parameter, const char *const *values, bool grows,
+                     double p) {
   gh_study *s = made_study(ctx);
-  made_knob(s, knob, values);
-  made_knob(s, "boundary", VALUES("taylor", "periodic"));
-  made_settings(s, 1, 0);
+  made_parameter(s, parameter, values);
+  made_parameter(s, "boundary", VALUES("taylor", "periodic"));
+  made_configs(s, 1, 0);
   s->order = 0;
   made_curve(&s->given, 11, 1, beside, NULL);
-  for (int k = 0; k < s->nsettings; k++) {
-    double h = s->knobs[0].number[s->settings[k].choice[0]];
+  for (int k = 0; k < s->nconfigs; k++) {
+    double h = s->parameters[0].number[s->configs[k].choice[0]];
     if (grows) h = 1 / h;
-    double add = (1 + s->settings[k].choice[1]) * 1e-2 * pow(h, p);
-    made_run(s->settings[k].runs, 11, 1, beside, &add, 1, 1);
+    double add = (1 + s->configs[k].choice[1]) * 1e-2 * pow(h, p);
+    made_run(s->configs[k].runs, 11, 1, beside, &add, 1, 1);
   }
   OK(study_judge(s));
   assert_int_equal(s->verdict->nfits, 2);
@@ -280,8 +283,8 @@ static void order_of(gh_context *ctx, const char *knob, const char *const *value
     assert_int_equal(s->verdict->fits[f].from, 2);
     assert_int_equal(s->verdict->fits[f].to, 1);
   }
-  for (int k = 0; k < s->nsettings; k++) {
-    bool coarsest = s->settings[k].choice[0] == 2;
+  for (int k = 0; k < s->nconfigs; k++) {
+    bool coarsest = s->configs[k].choice[0] == 2;
     assert_int_equal(isnan(s->verdict->row[k].order), coarsest);
     if (!coarsest) NEAR("pair", s->verdict->row[k].order, p, 1e-12);
   }
@@ -301,19 +304,19 @@ static void test_orders(void **state) {
 static gh_study *series(gh_context *ctx, const double *errors, const char *const *values,
                         const char *finest) {
   gh_study *s = made_study(ctx);
-  made_knob(s, "refine", values);
-  made_settings(s, 1, 1);
-  int last = s->nsettings - 1;
+  made_parameter(s, "refine", values);
+  made_configs(s, 1, 1);
+  int last = s->nconfigs - 1;
   s->order = 0;
-  s->reference = STUDY_SETTING;
+  s->reference = STUDY_CONFIG;
   made_value(s, last, 0, finest);
   double one = 1;
   for (int k = 0; k < last; k++) {
     double v = 1 + errors[k];
-    s->settings[k].reference = last;
-    made_run(s->settings[k].runs, 4, 1, constant, &v, 1, 1);
+    s->configs[k].reference = last;
+    made_run(s->configs[k].runs, 4, 1, constant, &v, 1, 1);
   }
-  made_run(s->settings[last].runs, 4, 1, constant, &one, 1, 1);
+  made_run(s->configs[last].runs, 4, 1, constant, &one, 1, 1);
   OK(study_judge(s));
   return s;
 }

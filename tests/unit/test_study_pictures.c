@@ -66,21 +66,20 @@ static gh_study *size_study(gh_context *ctx, int sizes) {
                                        NULL};
   const char *some[7] = {0};
   for (int k = 0; k < sizes; k++) some[k] = values[k];
-  made_knob(s, "packing", some);
-  made_knob(s, "micro.boundary", VALUES("taylor", "restricted", "periodic"));
-  made_settings(s, 15, 0);
-  s->reference = STUDY_SETTING;
-  for (int k = 0; k < s->nsettings; k++) {
-    int size = s->settings[k].choice[0], boundary = s->settings[k].choice[1];
-    s->settings[k].reference = s->nsettings - 1;
+  made_parameter(s, "packing", some);
+  made_parameter(s, "micro.boundary", VALUES("taylor", "restricted", "periodic"));
+  made_configs(s, 15, 0);
+  s->reference = STUDY_CONFIG;
+  for (int k = 0; k < s->nconfigs; k++) {
+    int size = s->configs[k].choice[0], boundary = s->configs[k].choice[1];
+    s->configs[k].reference = s->nconfigs - 1;
     for (int m = 0; m < 15; m++) {
       double d[2] = {0, 0};
       for (int j = 0; j < 12; j++) d[1] += (uniform(&seed) - 0.5) / sqrt(n[size]) * 1.5;
       d[1] += bias[boundary] * (boundary == 1 ? sqrt(88 / n[size]) : 1);
-      made_run(s->settings[k].runs + m, 41, 0.2, path, d,
-               1e-3 * n[size] * (boundary + 1) * (1 + 0.1 * m / 15),
+      made_run(s->configs[k].runs + m, 41, 0.2, path, d, 1e-3 * n[size] * (boundary + 1) * (1 + 0.1 * m / 15),
                (long)(2000 * n[size] * (1 + 40 * boundary)));
-      s->settings[k].runs[m].packing = s->settings[k].value[0];
+      s->configs[k].runs[m].packing = s->configs[k].value[0];
     }
   }
   s->nplots = 3;
@@ -175,11 +174,11 @@ static void test_rows(void **state) {
     int curves = 0;
     study_rows_name(&r, row, name);
     assert_string_equal(name, names[row]);
-    for (int k = 0; k < s->nsettings; k++)
+    for (int k = 0; k < s->nconfigs; k++)
       if (study_rows_line(&r, row, k, &line)) {
         curves++;
-        assert_int_equal(row < 3 ? s->settings[k].choice[1] : 5, row < 3 ? row : s->settings[k].choice[0]);
-        if (row < 3) assert_string_equal(line.colour, study_colour(s->settings[k].choice[0]));
+        assert_int_equal(row < 3 ? s->configs[k].choice[1] : 5, row < 3 ? row : s->configs[k].choice[0]);
+        if (row < 3) assert_string_equal(line.colour, study_colour(s->configs[k].choice[0]));
       }
     assert_int_equal(curves, row < 3 ? 6 : 3);
   }
@@ -195,12 +194,12 @@ static void test_range(void **state) {
   gh_context *ctx = *state;
   gh_study *s = made_study(ctx);
   panels p;
-  made_knob(s, "packing", VALUES("a-*.data", "b-*.data", "c-*.data", "d-*.data"));
-  made_knob(s, "micro.boundary", VALUES("taylor", "periodic"));
-  made_settings(s, 2, 0);
+  made_parameter(s, "packing", VALUES("a-*.data", "b-*.data", "c-*.data", "d-*.data"));
+  made_parameter(s, "micro.boundary", VALUES("taylor", "periodic"));
+  made_configs(s, 2, 0);
   for (int k = 0; k < 8; k++)
     for (int m = 0; m < 2; m++)
-      made_run(s->settings[k].runs + m, 11, 1, path, (double[]){0, 0.1 * k * m}, 1, 1);
+      made_run(s->configs[k].runs + m, 11, 1, path, (double[]){0, 0.1 * k * m}, 1, 1);
   made_curve(&s->given, 11, 1, path, NULL);
   s->nplots = 1;
   s->plots = made_array(1, sizeof *s->plots);
@@ -215,7 +214,7 @@ static void test_range(void **state) {
   made_destroy(s);
 }
 
-/* Many curves of one knob, many panels, a long name of the reference: the key stays below. */
+/* Many curves of one parameter, many panels, a long name of the reference: the key stays below. */
 static void test_key(void **state) {
   gh_context *ctx = *state;
   gh_study *s = made_study(ctx);
@@ -231,9 +230,9 @@ static void test_key(void **state) {
   memset(long_name, 'x', 300), long_name[300] = 0;
   free(s->reference_text);
   s->reference_text = made_text(long_name);
-  made_knob(s, "law", values);
-  made_settings(s, 1, 0);
-  for (int k = 0; k < 40; k++) run_with_error(s->settings[k].runs, 1e-3 * (k + 1), 1, 1);
+  made_parameter(s, "law", values);
+  made_configs(s, 1, 0);
+  for (int k = 0; k < 40; k++) run_with_error(s->configs[k].runs, 1e-3 * (k + 1), 1, 1);
   made_curve(&s->given, 11, 1, path, NULL);
   s->nplots = 9;
   s->plots = made_array(9, sizeof *s->plots);
@@ -263,11 +262,11 @@ static void test_groups(void **state) {
     panels p;
     const char *some[6] = {"taylor", "taylor-cell", "restricted", "periodic", "traction", NULL};
     some[groups] = NULL;
-    made_knob(s, "micro.tolerance", VALUES("1e-2", "1e-4", "1e-6"));
-    made_knob(s, "micro.boundary", some);
-    made_settings(s, 1, 0);
-    for (int k = 0; k < s->nsettings; k++) run_with_error(s->settings[k].runs, 0.1 / (k + 1), 1, 1);
-    s->settings[2 * groups + 1].runs->status = GH_DIVERGED; /* 1e-6, the second condition */
+    made_parameter(s, "micro.tolerance", VALUES("1e-2", "1e-4", "1e-6"));
+    made_parameter(s, "micro.boundary", some);
+    made_configs(s, 1, 0);
+    for (int k = 0; k < s->nconfigs; k++) run_with_error(s->configs[k].runs, 0.1 / (k + 1), 1, 1);
+    s->configs[2 * groups + 1].runs->status = GH_DIVERGED; /* 1e-6, the second condition */
     made_curve(&s->given, 11, 1, path, NULL);
     s->nplots = 5;
     s->plots = made_array(5, sizeof *s->plots);
@@ -291,20 +290,20 @@ static void test_pictures_zero(void **state) {
   if (no_gnuplot()) skip();
   free(s->title);
   s->title = made_text("Answers that are exactly equal: 100 % of 'them', _really_");
-  made_knob(s, "solver.tangent", VALUES("algorithmic", "symmetrised", "frozen", "elastic"));
-  made_knob(s, "solver.line_search", VALUES("true", "false"));
-  made_knob(s, "solver.increments", VALUES("planned", "automatic"));
-  made_settings(s, 1, 0);
-  for (int k = 0; k < s->nsettings; k++) {
-    run_with_error(s->settings[k].runs, k % 4 == 1 ? 0 : 1e-9 / (k + 1), 10 + k, 0);
-    s->settings[k].runs->factorisations = 0;
+  made_parameter(s, "solver.tangent", VALUES("algorithmic", "symmetrised", "frozen", "elastic"));
+  made_parameter(s, "solver.line_search", VALUES("true", "false"));
+  made_parameter(s, "solver.increments", VALUES("planned", "automatic"));
+  made_configs(s, 1, 0);
+  for (int k = 0; k < s->nconfigs; k++) {
+    run_with_error(s->configs[k].runs, k % 4 == 1 ? 0 : 1e-9 / (k + 1), 10 + k, 0);
+    s->configs[k].runs->factorisations = 0;
   }
   made_curve(&s->given, 11, 1, path, NULL);
   draws(ctx, s, "zero", VALUES("work-precision.png"));
-  for (int k = 0; k < s->nsettings; k++)
-    memcpy(s->settings[k].runs->curve.value, s->given.value, 33 * sizeof(double));
+  for (int k = 0; k < s->nconfigs; k++)
+    memcpy(s->configs[k].runs->curve.value, s->given.value, 33 * sizeof(double));
   draws(ctx, s, "equal", VALUES("work-precision.png"));
-  for (int k = 1; k < s->nsettings; k++) s->settings[k].runs->finished = false;
+  for (int k = 1; k < s->nconfigs; k++) s->configs[k].runs->finished = false;
   draws(ctx, s, "one", VALUES("work-precision.png"));
   made_destroy(s);
 }

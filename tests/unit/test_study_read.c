@@ -1,4 +1,4 @@
-/* Studies: what is read and refused, settings, references and members, paths. SPDX-License-Identifier:
+/* Studies: what is read and refused, configurations, references and members, paths. SPDX-License-Identifier:
  * GPL-2.0-or-later */
 #include "study_read_help.h"
 
@@ -61,7 +61,7 @@ static const struct {
      "study.yaml:1: to: [F11, F12, F21, F22] has the determinant -1; it must be positive"},
     {"rve: {packing: @/p20.data, contact: {normal_stiffness: 1}, path: {legs: [{to: [-1, 0, 0, -1], "
      "increments: 2}]}}\n" VARY REFERENCE,
-     "study.yaml:1: on the way there det F is 0 at t = 1; it must be positive"},
+     "study.yaml:1: on the path to it det F is 0 at t = 1; it must be positive"},
     {"rve: {packing: @/p20.data, contact: {normal_stiffness: 1}, path: {file: none.csv}}\n" VARY REFERENCE,
      "none.csv: cannot be opened"}};
 
@@ -117,44 +117,44 @@ static void wrong_scenes_are_refused(void **state) {
   }
 }
 
-/* ---- settings ---- */
+/* ---- configurations ---- */
 
-/* All combinations, the last knob fastest; references are shared, and may be rows. */
-static void settings_are_planned(void **state) {
+/* All combinations, the last parameter fastest; references are shared, and may be rows. */
+static void configs_are_planned(void **state) {
   place *p = *state;
   gh_study *s = study_of(
       p, SMALL "vary: {micro.tolerance: [1e-2, 1e-4, 1e-6], micro.boundary: [taylor, periodic]}\n" REFERENCE,
       false);
-  assert_int_equal(s->nsettings, 8); /* one reference for each boundary condition */
-  assert_string_equal(s->settings[1].value[0], "1e-2");
-  assert_string_equal(s->settings[1].value[1], "periodic");
-  assert_string_equal(s->settings[2].value[0], "1e-4");
+  assert_int_equal(s->nconfigs, 8); /* one reference for each boundary condition */
+  assert_string_equal(s->configs[1].value[0], "1e-2");
+  assert_string_equal(s->configs[1].value[1], "periodic");
+  assert_string_equal(s->configs[2].value[0], "1e-4");
   for (int k = 0; k < 6; k++) {
-    const study_setting *r = s->settings + s->settings[k].reference;
-    assert_true(r->extra && !s->settings[k].extra && r->choice[0] == -1 && r->choice[1] == k % 2);
+    const study_config *r = s->configs + s->configs[k].reference;
+    assert_true(r->extra && !s->configs[k].extra && r->choice[0] == -1 && r->choice[1] == k % 2);
     assert_string_equal(r->value[0], "1e-11");
-    assert_string_equal(r->value[1], s->settings[k].value[1]);
+    assert_string_equal(r->value[1], s->configs[k].value[1]);
   }
   assert_true(s->order == -1 && s->series == 0 && s->ngoals == 3 && s->goals[0] == 1e-2);
   assert_true(s->nquantities == 2 && s->main == 0 && s->ncolumns == 9);
   gh_study_destroy(&s);
-  /* a value that is among those of the knob, however it is written: rows are references */
+  /* a value that is among those of the parameter, however it is written: rows are references */
   s = study_of(p,
                SMALL "vary: {micro.tolerance: [1e-2, 1e-6]}\nbase: {micro.boundary: taylor}\n"
                      "reference: {set: {micro.tolerance: 0.000001, micro.boundary: taylor}}\n"
                      "quantities: [energy, stress]\ngoals: [1e-3, 1e-1]\nplots: [energy, s12]\n",
                false);
-  assert_int_equal(s->nsettings, 2);
-  assert_true(s->settings[0].reference == 1 && s->settings[1].reference == 1);
+  assert_int_equal(s->nconfigs, 2);
+  assert_true(s->configs[0].reference == 1 && s->configs[1].reference == 1);
   assert_string_equal(s->quantities[0].name, "energy");
   assert_true(s->goals[0] == 1e-1 && s->ngoals == 2 && s->nplots == 2 && s->plots[0] == 8 &&
               s->plots[1] == 5);
   gh_study_destroy(&s);
-  /* a key that is no knob makes a reference for each row */
+  /* a key that is no parameter makes a reference for each row */
   s = study_of(p, SMALL VARY "reference: {set: {micro.max_steps: 9999}}\n", false);
-  assert_int_equal(s->nsettings, 4);
-  assert_string_equal(s->settings[2].also, "micro.max_steps: 9999");
-  assert_true(s->settings[1].reference == 3 && s->settings[3].reference == 3);
+  assert_int_equal(s->nconfigs, 4);
+  assert_string_equal(s->configs[2].also, "micro.max_steps: 9999");
+  assert_true(s->configs[1].reference == 3 && s->configs[3].reference == 3);
   gh_study_destroy(&s);
 }
 
@@ -167,14 +167,14 @@ static void quick_studies(void **state) {
                                    "periodic}, reference: {set: {refine: 3}}}\n";
   place *p = *state;
   gh_study *s = study_of(p, text, false);
-  assert_true(s->nsettings == 8 && s->order == 0);
-  assert_string_equal(study_value(s, s->settings, "micro.boundary"), "taylor");
+  assert_true(s->nconfigs == 8 && s->order == 0);
+  assert_string_equal(study_value(s, s->configs, "micro.boundary"), "taylor");
   gh_study_destroy(&s);
   s = study_of(p, text, true);
-  assert_true(s->nsettings == 2 && s->order == -1 && s->nknobs == 1);
-  assert_string_equal(study_value(s, s->settings, "micro.boundary"), "periodic");
-  assert_string_equal(study_value(s, s->settings, "micro.max_steps"), "999");
-  assert_string_equal(study_value(s, s->settings + 1, "refine"), "3");
+  assert_true(s->nconfigs == 2 && s->order == -1 && s->nparameters == 1);
+  assert_string_equal(study_value(s, s->configs, "micro.boundary"), "periodic");
+  assert_string_equal(study_value(s, s->configs, "micro.max_steps"), "999");
+  assert_string_equal(study_value(s, s->configs + 1, "refine"), "3");
   gh_study_destroy(&s);
   /* a name may be one that the whole study alone has, but not one that none has */
   assert_int_equal(gh_study_read(p->ctx,
@@ -202,14 +202,14 @@ static void ensembles_and_names(void **state) {
   copy_packing(p, "p20.data", "other.data");
   gh_study *s = study_of(
       p, SMALL "vary: {packing: ['e-*.data', other.data], micro.tolerance: [1e-2]}\n" REFERENCE, false);
-  assert_int_equal(s->nsettings, 4);
-  assert_true(s->settings[0].nruns == 2 && s->settings[1].nruns == 1 && s->settings[2].nruns == 2);
-  assert_non_null(strstr(s->settings[0].runs[0].packing, "/e-1.data"));
-  assert_non_null(strstr(s->settings[0].runs[1].packing, "/e-2.data"));
-  const char *first = s->settings[0].runs[0].id;
-  assert_string_equal(first, s->settings[1].runs[0].id); /* the same grains under another name */
-  assert_string_not_equal(first, s->settings[0].runs[1].id);
-  assert_string_not_equal(first, s->settings[2].runs[0].id);
+  assert_int_equal(s->nconfigs, 4);
+  assert_true(s->configs[0].nruns == 2 && s->configs[1].nruns == 1 && s->configs[2].nruns == 2);
+  assert_non_null(strstr(s->configs[0].runs[0].packing, "/e-1.data"));
+  assert_non_null(strstr(s->configs[0].runs[1].packing, "/e-2.data"));
+  const char *first = s->configs[0].runs[0].id;
+  assert_string_equal(first, s->configs[1].runs[0].id); /* the same grains under another name */
+  assert_string_not_equal(first, s->configs[0].runs[1].id);
+  assert_string_not_equal(first, s->configs[2].runs[0].id);
   char id[20];
   strcpy(id, first);
   gh_study_destroy(&s);
@@ -217,12 +217,12 @@ static void ensembles_and_names(void **state) {
   s = study_of(
       p, "title: x # y\n" SMALL "vary: {packing: [e-1.data], micro.tolerance: [1e-3, 1e-2]}\n" REFERENCE,
       false);
-  assert_string_equal(s->settings[1].runs[0].id, id);
-  assert_string_not_equal(s->settings[0].runs[0].id, id);
+  assert_string_equal(s->configs[1].runs[0].id, id);
+  assert_string_not_equal(s->configs[0].runs[0].id, id);
   gh_study_destroy(&s);
   copy_packing(p, "p50.data", "e-1.data");
   s = study_of(p, SMALL "vary: {packing: [e-1.data], micro.tolerance: [1e-2]}\n" REFERENCE, false);
-  assert_string_not_equal(s->settings[0].runs[0].id, id);
+  assert_string_not_equal(s->configs[0].runs[0].id, id);
   gh_study_destroy(&s);
 }
 
@@ -249,13 +249,13 @@ static void what_is_compared_must_fit(void **state) {
   /* each has its own path, as long as its reference has the same one */
   gh_study *s =
       study_of(p, SMALL "vary: {path.legs.0.increments: [2, 4], refine: [1, 2]}\n" REFERENCE, false);
-  assert_int_equal(s->nsettings, 8);
+  assert_int_equal(s->nconfigs, 8);
   gh_study_destroy(&s);
   assert_int_equal(mkdir(in_folder(p, "[x]*"), 0777), 0);
   copy_packing(p, "p20.data", "[x]*/e.data");
   const char *path = put(p, "[x]*/study.yaml", SMALL "vary: {packing: ['e*.data']}\n" REFERENCE);
   assert_int_equal(gh_study_read(p->ctx, path, false, &s), GH_OK);
-  assert_int_equal(s->settings[0].nruns, 1);
+  assert_int_equal(s->configs[0].nruns, 1);
   gh_study_destroy(&s);
 }
 
@@ -289,7 +289,7 @@ static void paths_are_refined(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {TEST(wrong_studies_are_refused), TEST(wrong_scenes_are_refused),
-                                     TEST(settings_are_planned),      TEST(quick_studies),
+                                     TEST(configs_are_planned),       TEST(quick_studies),
                                      TEST(ensembles_and_names),       TEST(what_is_compared_must_fit),
                                      TEST(paths_are_refined)};
   return cmocka_run_group_tests(tests, NULL, NULL);

@@ -35,12 +35,12 @@ static void runs_are_kept(void **state) {
   run_study(p, s, GH_STOPPED, after_some, &calls, false);
   int first = told;
   assert_in_range(first, 1, 3);
-  assert_non_null(strstr(gh_message(p->ctx), "of 4 runs are finished and stay"));
+  assert_non_null(strstr(gh_message(p->ctx), "of 4 runs are finished and kept"));
   run_study(p, s, GH_OK, NULL, NULL, false);
   assert_int_equal(told, 4 - first);
   run_study(p, s, GH_OK, NULL, NULL, false);
   assert_int_equal(told, 0);
-  study_run *run = s->settings[1].runs;
+  study_run *run = s->configs[1].runs;
   const double P11 = run->curve.value[2 * 9];
   assert_true(run->finished && run->status == GH_OK && run->curve.n == 3 && run->curve.t[2] == 2 && P11 < 0);
   assert_true(run->force_evaluations > 0 && run->wall > 0 && run->core > 0 && run->residual <= 1e-4);
@@ -82,7 +82,7 @@ static void runs_are_kept(void **state) {
   run_study(p, s, GH_STOPPED, after_some, &calls, true);
   first = told;
   assert_in_range(first, 1, 3);
-  assert_non_null(strstr(gh_message(p->ctx), "the same command without --fresh goes on"));
+  assert_non_null(strstr(gh_message(p->ctx), "the same command without --fresh continues"));
   run_study(p, s, GH_OK, NULL, NULL, false);
   assert_int_equal(told, 4 - first);
   gh_study_destroy(&s);
@@ -99,9 +99,9 @@ static void other_builds_are_told(void **state) {
   put_file(p, "out/order.png", "old");
   for (int k = 0; k < 2; k++) { /* the second time as all builds before this one had it */
     assert_int_equal(gh_text_create(p->ctx, &text), GH_OK);
-    assert_false(s->settings[k].runs[0].other_build);
-    snprintf(path, sizeof path, "out/runs/%s.json", s->settings[k].runs[0].id);
-    assert_int_equal(study_record_print(s, k, s->settings[k].runs, text), GH_OK);
+    assert_false(s->configs[k].runs[0].other_build);
+    snprintf(path, sizeof path, "out/runs/%s.json", s->configs[k].runs[0].id);
+    assert_int_equal(study_record_print(s, k, s->configs[k].runs, text), GH_OK);
     char *record = strdup(gh_text_get(text, NULL));
     assert_non_null(record);
     assert_non_null(at = strstr(record, "  \"build\": \""));
@@ -116,13 +116,13 @@ static void other_builds_are_told(void **state) {
   }
   run_study(p, s, GH_OK, NULL, NULL, false);
   assert_int_equal(told, 0);
-  assert_true(s->settings[0].runs[0].other_build && s->settings[1].runs[0].other_build);
+  assert_true(s->configs[0].runs[0].other_build && s->configs[1].runs[0].other_build);
   char *page = get_file(in_folder(p, "out/study.md"), &length);
   assert_non_null(strstr(page, "2 of 3 runs were computed by another build of granhom"));
   free(page);
   assert_int_not_equal(access(in_folder(p, "out/order.png"), F_OK), 0);
   run_study(p, s, GH_OK, NULL, NULL, true);
-  assert_false(s->settings[0].runs[0].other_build);
+  assert_false(s->configs[0].runs[0].other_build);
   gh_study_destroy(&s);
 }
 
@@ -132,7 +132,7 @@ static void failures_are_results(void **state) {
   gh_study *s = study_of(
       p, SMALL "vary: {micro.max_steps: [1, 100000]}\nreference: {set: {micro.tolerance: 1e-11}}\n", false);
   run_study(p, s, GH_OK, NULL, NULL, false);
-  const study_run *run = s->settings[0].runs;
+  const study_run *run = s->configs[0].runs;
   assert_true(run->finished && run->status == GH_DIVERGED && run->curve.n == 1);
   assert_non_null(strstr(run->message, "t = 1: no equilibrium within 1 relaxation steps"));
   run_study(p, s, GH_OK, NULL, NULL, false);
@@ -142,20 +142,19 @@ static void failures_are_results(void **state) {
                false);
   run_study(p, s, GH_DIVERGED, NULL, NULL, false);
   assert_non_null(
-      strstr(gh_message(p->ctx), "no setting has a result; the first one, micro.max_steps 1: t = 1: "));
+      strstr(gh_message(p->ctx), "no configuration has a result; the first one, micro.max_steps 1: t = 1: "));
   gh_study_destroy(&s);
 }
 
-/* Two settings that come to the same are one run with two rows. */
+/* Two configurations that come to the same are one run with two rows. */
 static void twins_run_once(void **state) {
   place *p = *state;
   gh_study *s =
       study_of(p, SMALL "vary: {packing: ['@/p20.data', '@/../packings/p20.data']}\n" REFERENCE, false);
   run_study(p, s, GH_OK, NULL, NULL, false);
   assert_int_equal(told, 2); /* and one for both references */
-  assert_true(s->settings[1].runs->finished && s->settings[1].runs->curve.n == 3);
-  assert_memory_equal(s->settings[0].runs->curve.value, s->settings[1].runs->curve.value,
-                      27 * sizeof(double));
+  assert_true(s->configs[1].runs->finished && s->configs[1].runs->curve.n == 3);
+  assert_memory_equal(s->configs[0].runs->curve.value, s->configs[1].runs->curve.value, 27 * sizeof(double));
   gh_study_destroy(&s);
 }
 
@@ -173,7 +172,7 @@ static void scenes_without_driven_edges(void **state) {
   assert_string_equal(s->column[5], "displacement_y");
   assert_string_equal(s->quantities[1].name, "displacement");
   run_study(p, s, GH_OK, NULL, NULL, false);
-  const study_curve *c = &s->settings[1].runs->curve;
+  const study_curve *c = &s->configs[1].runs->curve;
   assert_true(c->n == 5 && c->t[0] == 0 && c->t[1] == 0.25 && c->t[4] == 1); /* refine 2 of two increments */
   const double *last = c->value + 4 * 7;
   near(last[0], -0.4, 1e-8), near(last[3], -0.4, 1e-8);
@@ -202,7 +201,7 @@ static void triangular_lattice(void **state) {
                          LATTICE "vary: {micro.boundary: [taylor-cell, periodic], refine: [1, 3]}\n"
                                  "reference: {closed_form: triangular-lattice}\n",
                          false);
-  assert_int_equal(s->nsettings, 4);
+  assert_int_equal(s->nconfigs, 4);
   assert_int_equal(s->given.n, 16);
   for (int k = 1; k < 16; k++) assert_true(s->given.t[k] > s->given.t[k - 1]);
   run_study(p, s, GH_OK, NULL, NULL, false);
@@ -210,7 +209,7 @@ static void triangular_lattice(void **state) {
     const study_judged *row = s->verdict->row + k;
     assert_int_equal(row->points, k % 2 ? 16 : 6);
     for (int q = 0; q < 2; q++)
-      if (!(row->l2[q] < 1e-12)) fail_msg("setting %d, quantity %d: error %g", k, q, row->l2[q]);
+      if (!(row->l2[q] < 1e-12)) fail_msg("configuration %d, quantity %d: error %g", k, q, row->l2[q]);
   }
   gh_study_destroy(&s);
 }
@@ -272,7 +271,7 @@ static void reference_from_a_file(void **state) {
   put_file(p, "other.csv", "t,P11,P12,P21,P22\n0,-1,0,0,-1\n1,-2,0,0,-1\n2,-3,0,0,-1\n");
   s = study_of(p, study, false);
   assert_true(s->reference == STUDY_FILE && s->given.n == 3 && s->given.value[2 * 9] == -3);
-  assert_true(isnan(s->given.value[8]) && s->settings[0].reference == -1 && s->nsettings == 2);
+  assert_true(isnan(s->given.value[8]) && s->configs[0].reference == -1 && s->nconfigs == 2);
   gh_study_destroy(&s);
   const char *path = put(p, "study.yaml", SMALL VARY "reference: {file: other.csv}\n");
   assert_int_equal(gh_study_read(p->ctx, path, false, &s), GH_INPUT);
@@ -294,7 +293,7 @@ static void other_programs(void **state) {
                          "reference: {set: {micro.engine: native, micro.tolerance: 1e-11}}\n",
                          false);
   run_study(p, s, GH_OK, NULL, NULL, false);
-  const study_run *gran = s->settings[2].runs, *taylor = s->settings[3].runs;
+  const study_run *gran = s->configs[2].runs, *taylor = s->configs[3].runs;
   if (gran->status != GH_OK) fail_msg("%s", gran->message);
   if (!(s->verdict->row[2].l2[0] < 1e-6)) fail_msg("error of the stress %g", s->verdict->row[2].l2[0]);
   assert_true(gran->curve.n == 3 && gran->force_evaluations > 0 && isnan(gran->curve.value[8]));

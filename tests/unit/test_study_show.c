@@ -32,18 +32,20 @@ static void test_markdown(void **state) {
   OK(gh_text_create(ctx, &t));
   study_write_markdown(s, t);
   has_line(ctx, t, "# A made study");
-  has_line(ctx, t,
-           "8 settings of made.yaml (micro.tolerance 1e-2, 1e-4, 1e-6, 1e-8; micro.boundary restricted, "
-           "periodic), compared with the truth.");
+  has_line(
+      ctx, t,
+      "8 configurations of made.yaml (micro.tolerance 1e-2, 1e-4, 1e-6, 1e-8; micro.boundary restricted, "
+      "periodic), compared with the truth.");
   has_line(ctx, t,
            "- For 1 % of the stress: micro.tolerance 1e-4, micro.boundary restricted (error 9.00e-3, 0.300 s "
            "of one core, 8000 pair evaluations).");
   has_line(ctx, t,
            "- For 0.1 % of the stress: micro.tolerance 1e-6, micro.boundary restricted (error 9.00e-4, 0.500 "
            "s of one core, 6.40e4 pair evaluations).");
-  has_line(ctx, t,
-           "- No setting reaches 1e-6 of the stress; the nearest is micro.tolerance 1e-8, micro.boundary "
-           "restricted (error 5.00e-6, 0.700 s of one core, 2.16e5 pair evaluations).");
+  has_line(
+      ctx, t,
+      "- No configuration reaches 1e-6 of the stress; the nearest is micro.tolerance 1e-8, micro.boundary "
+      "restricted (error 5.00e-6, 0.700 s of one core, 2.16e5 pair evaluations).");
   has_line(ctx, t,
            "| micro.tolerance | micro.boundary | error of the stress | largest | energy | seconds | pair "
            "evaluations | front |");
@@ -93,14 +95,14 @@ static void test_ensemble_text(void **state) {
   gh_study *s = made_study(ctx);
   gh_text *t;
   double d[3][2] = {{0, 0.1}, {0, -0.09}, {0, 0}};
-  made_knob(s, "packing", VALUES("packings/p88-*.data", "packings/p150-*.data"));
-  made_settings(s, 3, 0);
-  s->settings[0].reference = s->settings[1].reference = 1;
-  s->reference = STUDY_SETTING;
-  for (int m = 0; m < 2; m++) made_run(s->settings[0].runs + m, 11, 1, path, d[m], 0.5, 0);
-  made_failure(s->settings[0].runs + 2, "lost");
-  for (int m = 0; m < 3; m++) made_run(s->settings[1].runs + m, 11, 1, path, d[2], 0.5, 0);
-  for (int m = 0; m < 3; m++) s->settings[0].runs[m].packing = "a", s->settings[1].runs[m].packing = "b";
+  made_parameter(s, "packing", VALUES("packings/p88-*.data", "packings/p150-*.data"));
+  made_configs(s, 3, 0);
+  s->configs[0].reference = s->configs[1].reference = 1;
+  s->reference = STUDY_CONFIG;
+  for (int m = 0; m < 2; m++) made_run(s->configs[0].runs + m, 11, 1, path, d[m], 0.5, 0);
+  made_failure(s->configs[0].runs + 2, "lost");
+  for (int m = 0; m < 3; m++) made_run(s->configs[1].runs + m, 11, 1, path, d[2], 0.5, 0);
+  for (int m = 0; m < 3; m++) s->configs[0].runs[m].packing = "a", s->configs[1].runs[m].packing = "b";
   OK(study_judge(s));
   OK(gh_text_create(ctx, &t));
   study_write_markdown(s, t);
@@ -110,11 +112,13 @@ static void test_ensemble_text(void **state) {
   has_line(ctx, t,
            "- For 1 % of the stress: packing packings/p88-\\*.data (error of the mean 4.64e-3 +- 1.12, of a "
            "single packing 8.83e-2; for each packing 0.500 s of one core and 10 factorisations). With 2 "
-           "packings this difference can't be told from chance, so whether the goal is met remains open.");
-  has_line(ctx, t,
-           "- No setting reaches 0.1 % or 1e-6 of the stress; the nearest is packing packings/p88-\\*.data "
-           "(error of the mean 4.64e-3 +- 1.12, of a single packing 8.83e-2; for each packing 0.500 s of one "
-           "core and 10 factorisations). With 2 packings this difference can't be told from chance.");
+           "packings this difference cannot be distinguished from chance, so whether the goal is met remains "
+           "open.");
+  has_line(
+      ctx, t,
+      "- No configuration reaches 0.1 % or 1e-6 of the stress; the nearest is packing packings/p88-\\*.data "
+      "(error of the mean 4.64e-3 +- 1.12, of a single packing 8.83e-2; for each packing 0.500 s of one "
+      "core and 10 factorisations). With 2 packings this difference cannot be distinguished from chance.");
   has_line(
       ctx, t,
       "| packings/p88-\\*.data | 4.64e-3 [1] | 1.12 | 8.83e-2 | 4.64e-3 | 0 | 2 of 3 | 0.500 | 10 | both |");
@@ -153,13 +157,13 @@ static void test_nothing(void **state) {
   gh_context *ctx = *state;
   gh_study *s = made_study(ctx);
   gh_text *t;
-  made_knob(s, "k", VALUES("1"));
-  made_settings(s, 1, 0);
+  made_parameter(s, "k", VALUES("1"));
+  made_configs(s, 1, 0);
   made_curve(&s->given, 11, 1, path, NULL);
   OK(study_judge(s));
   OK(gh_text_create(ctx, &t));
   study_write_markdown(s, t);
-  has_line(ctx, t, "- No setting could be compared with the reference: no run came to the end.");
+  has_line(ctx, t, "- No configuration could be compared with the reference: no run came to the end.");
   has_line(ctx, t, "| 1 | not run [1] | - | - | - |  |");
   has_line(ctx, t, "- [1] k 1: It was not run.");
   has_no(t, "nan");
@@ -173,20 +177,20 @@ static void test_failed_reference(void **state) {
   gh_context *ctx = *state;
   gh_study *s = made_study(ctx);
   gh_text *t;
-  made_knob(s, "k", VALUES("1", "2"));
-  made_settings(s, 1, 1);
-  s->reference = STUDY_SETTING;
+  made_parameter(s, "k", VALUES("1", "2"));
+  made_configs(s, 1, 1);
+  s->reference = STUDY_CONFIG;
   for (int k = 0; k < 2; k++) {
-    s->settings[k].reference = 2;
-    run_with_error(s->settings[k].runs, 0.1, 1, 10);
+    s->configs[k].reference = 2;
+    run_with_error(s->configs[k].runs, 0.1, 1, 10);
   }
   made_value(s, 2, 0, "9");
-  made_failure(s->settings[2].runs, "row 3: no equilibrium");
+  made_failure(s->configs[2].runs, "row 3: no equilibrium");
   OK(study_judge(s));
   OK(gh_text_create(ctx, &t));
   study_write_markdown(s, t);
   has_line(ctx, t,
-           "- No setting could be compared with the reference: its reference did not come to the end.");
+           "- No configuration could be compared with the reference: its reference did not come to the end.");
   has_line(ctx, t, "- [2] k 2: Not compared: its reference did not come to the end.");
   has_line(ctx, t, "- reference k 9: row 3: no equilibrium.");
   gh_text_destroy(&t);
@@ -213,14 +217,14 @@ static void test_plain(void **state) {
   assert_string_equal(study_plain("\"abcdef\"", text, 4), "abc");
 }
 
-/* Knobs that end alike keep their whole names in legends. */
+/* Parameters that end alike keep their whole names in legends. */
 static void test_names_that_end_alike(void **state) {
   gh_study *s = made_study(*state);
   char name[64];
-  made_knob(s, "micro.tolerance", VALUES("1e-4", "1e-8"));
-  made_knob(s, "solver.tolerance", VALUES("1e-2", "1e-3"));
-  made_knob(s, "solver.cut_steps", VALUES("5", "6"));
-  made_settings(s, 1, 0);
+  made_parameter(s, "micro.tolerance", VALUES("1e-4", "1e-8"));
+  made_parameter(s, "solver.tolerance", VALUES("1e-2", "1e-3"));
+  made_parameter(s, "solver.cut_steps", VALUES("5", "6"));
+  made_configs(s, 1, 0);
   study_legend(s, 0, 0, name, sizeof name);
   assert_string_equal(name, "solver.tolerance 1e-2, cut_steps 5");
   made_destroy(s);
@@ -232,16 +236,17 @@ static void test_quoted_values(void **state) {
   gh_study *s = made_study(ctx);
   gh_text *t;
   char name[64];
-  made_knob(s, "packing", VALUES("\"p/p150-00[1-3].data\"", "\"sand-0.5.data\"", "p/sand-0.25-*"));
-  made_settings(s, 1, 0);
-  for (int k = 0; k < 3; k++) run_with_error(s->settings[k].runs, 0.02 - 0.006 * k, 1 + k, 1000 * (k + 1));
+  made_parameter(s, "packing", VALUES("\"p/p150-00[1-3].data\"", "\"sand-0.5.data\"", "p/sand-0.25-*"));
+  made_configs(s, 1, 0);
+  for (int k = 0; k < 3; k++) run_with_error(s->configs[k].runs, 0.02 - 0.006 * k, 1 + k, 1000 * (k + 1));
   made_curve(&s->given, 11, 1, path, NULL);
   OK(study_judge(s));
   OK(gh_text_create(ctx, &t));
   study_write_markdown(s, t);
-  has_line(ctx, t,
-           "3 settings of made.yaml (packing p/p150-00[1-3].data, sand-0.5.data, p/sand-0.25-\\*), compared "
-           "with the truth.");
+  has_line(
+      ctx, t,
+      "3 configurations of made.yaml (packing p/p150-00[1-3].data, sand-0.5.data, p/sand-0.25-\\*), compared "
+      "with the truth.");
   has_line(ctx, t, "| p/p150-00[1-3].data | 2.00e-2 | 1.13e-2 | 0 | 1.00 | 1000 | both |");
   has_line(ctx, t,
            "- For 1 % of the stress: packing p/sand-0.25-\\* (error 8.00e-3, 3.00 s of one core, 3000 pair "
@@ -266,14 +271,14 @@ static void temporary(char path[64]) {
   close(fd);
 }
 
-/* Two settings of two packings each. */
+/* Two configurations of two packings each. */
 static gh_study *csv_study(gh_context *ctx) {
   gh_study *s = made_study(ctx);
   double d[2][2] = {{0.001, 0.1}, {0.001, -0.05}};
-  made_knob(s, "micro.tolerance", VALUES("1e-2", "1e-4"));
-  made_settings(s, 2, 0);
+  made_parameter(s, "micro.tolerance", VALUES("1e-2", "1e-4"));
+  made_configs(s, 2, 0);
   for (int k = 0; k < 4; k++) {
-    study_run *r = s->settings[k / 2].runs + k % 2;
+    study_run *r = s->configs[k / 2].runs + k % 2;
     made_run(r, 11, 1, path, d[k % 2], 1.0 / 3, 7);
     r->residual = r->energy_defect = k;
   }
@@ -301,9 +306,10 @@ static void curves_are_read_back(gh_context *ctx, gh_study *s) {
   gh_csv *csv = read_numbers(ctx, t);
   assert_int_equal(csv->nrows, 22);
   assert_int_equal(csv->ncols, 2 + 2 + 6);
-  const double *row = csv->value + 15 * csv->ncols; /* second setting, t = 0.4: P11 = -0.448 (1 + scatter) */
+  const double *row =
+      csv->value + 15 * csv->ncols; /* second configuration, t = 0.4: P11 = -0.448 (1 + scatter) */
   NEAR("setting", row[0], 1, 0);
-  NEAR("knob", row[gh_csv_find(csv, "micro.tolerance")], 1e-4, 0);
+  NEAR("parameter", row[gh_csv_find(csv, "micro.tolerance")], 1e-4, 0);
   NEAR("t", row[gh_csv_find(csv, "t")], 0.4, 1e-16);
   NEAR("members", row[gh_csv_find(csv, "members")], 2, 0);
   NEAR("P11", row[gh_csv_find(csv, "P11")], -0.448 * 1.025, 1e-15);
@@ -314,7 +320,8 @@ static void curves_are_read_back(gh_context *ctx, gh_study *s) {
   gh_text_destroy(&t);
 }
 
-/* A word stands in for a number: outcomes become 0, orders of no knob are left off with the last column. */
+/* A word stands in for a number: outcomes become 0, orders of no parameter are left off with the last column.
+ */
 static void words_become_numbers(gh_context *ctx, gh_text *t) {
   char *text = strdup(gh_text_get(t, NULL)), *p;
   assert_non_null(text);
@@ -357,8 +364,8 @@ static void test_csv_quotes(void **state) {
   gh_context *ctx = *state;
   gh_study *s = made_study(ctx);
   gh_text *t;
-  made_knob(s, "mesh", VALUES("[1, 2]", "\"a\"", "\"b\\\"c\""));
-  made_settings(s, 1, 0);
+  made_parameter(s, "mesh", VALUES("[1, 2]", "\"a\"", "\"b\\\"c\""));
+  made_configs(s, 1, 0);
   made_curve(&s->given, 11, 1, path, NULL);
   OK(study_judge(s));
   OK(gh_text_create(ctx, &t));

@@ -1,5 +1,5 @@
-/* Settings of a study: all combinations of the values of its knobs, what each is compared with, and the
- * packings of each. SPDX-License-Identifier: GPL-2.0-or-later */
+/* Configurations of a study: all combinations of the values of its parameters, what each is compared with,
+ * and the packings of each. SPDX-License-Identifier: GPL-2.0-or-later */
 #include "io/file.h"
 #include "study/parts.h"
 
@@ -7,7 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { MOST_SETTINGS = 100000 };
+enum { MOST_CONFIGS = 100000 };
 
 /* ---- values ---- */
 
@@ -17,39 +17,39 @@ static const study_entry *find_entry(const study_entry *list, int n, const char 
   return NULL;
 }
 
-static int find_knob(const gh_study *s, const char *key) {
-  for (int k = 0; k < s->nknobs; k++)
-    if (strcmp(s->knobs[k].name, key) == 0) return k;
+static int find_parameter(const gh_study *s, const char *key) {
+  for (int k = 0; k < s->nparameters; k++)
+    if (strcmp(s->parameters[k].name, key) == 0) return k;
   return -1;
 }
 
-const char *study_value(const gh_study *s, const study_setting *setting, const char *key) {
-  const study_entry *e = setting->extra ? find_entry(s->tighter, s->ntighter, key) : NULL;
+const char *study_value(const gh_study *s, const study_config *config, const char *key) {
+  const study_entry *e = config->extra ? find_entry(s->tighter, s->ntighter, key) : NULL;
   if (e) return e->value;
-  int knob = find_knob(s, key);
-  if (knob >= 0) return setting->value[knob];
+  int parameter = find_parameter(s, key);
+  if (parameter >= 0) return config->value[parameter];
   e = find_entry(s->base, s->nbase, key);
   return e ? e->value : NULL;
 }
 
-int study_line(const gh_study *s, const study_setting *setting, const char *key) {
-  const study_entry *e = setting->extra ? find_entry(s->tighter, s->ntighter, key) : NULL;
-  int knob = find_knob(s, key);
-  if (!e && knob >= 0) return s->knobs[knob].line;
+int study_line(const gh_study *s, const study_config *config, const char *key) {
+  const study_entry *e = config->extra ? find_entry(s->tighter, s->ntighter, key) : NULL;
+  int parameter = find_parameter(s, key);
+  if (!e && parameter >= 0) return s->parameters[parameter].line;
   if (!e) e = find_entry(s->base, s->nbase, key);
   return e ? e->line : s->problem_line;
 }
 
-/* Keys in the order in which they are set: of base, knobs, reference. */
+/* Keys in the order in which they are set: of base, parameters, reference. */
 static const char *key_of(const gh_study *s, int k) {
   if (k < s->nbase) return s->base[k].key;
   k -= s->nbase;
-  return k < s->nknobs ? s->knobs[k].name : s->tighter[k - s->nknobs].key;
+  return k < s->nparameters ? s->parameters[k].name : s->tighter[k - s->nparameters].key;
 }
 
-gh_status study_overrides(const gh_study *s, const study_setting *setting, gh_override **list, int **line,
+gh_status study_overrides(const gh_study *s, const study_config *config, gh_override **list, int **line,
                           int *count) {
-  const int tighter = setting->extra ? s->ntighter : 0, most = s->nbase + s->nknobs + tighter;
+  const int tighter = config->extra ? s->ntighter : 0, most = s->nbase + s->nparameters + tighter;
   int n = 0;
   *list = NULL;
   if (line) *line = NULL;
@@ -64,8 +64,8 @@ gh_status study_overrides(const gh_study *s, const study_setting *setting, gh_ov
     bool known = false;
     for (int j = 0; j < n; j++) known = known || strcmp((*list)[j].key, key) == 0;
     if (known) continue;
-    if (line) (*line)[n] = study_line(s, setting, key);
-    (*list)[n++] = (gh_override){.key = key, .value = study_value(s, setting, key)};
+    if (line) (*line)[n] = study_line(s, config, key);
+    (*list)[n++] = (gh_override){.key = key, .value = study_value(s, config, key)};
   }
   *count = n;
   return GH_OK;
@@ -84,8 +84,8 @@ static bool is_first_key(const gh_study *s, int k) {
 }
 
 gh_status study_check_keys(const gh_study *s) {
-  const study_setting all = {.extra = true}; /* whose keys may come from each of the three */
-  const int most = s->nbase + s->nknobs + s->ntighter;
+  const study_config all = {.extra = true}; /* whose keys may come from each of the three */
+  const int most = s->nbase + s->nparameters + s->ntighter;
   for (int j = 0; j < most; j++)
     for (int i = 0; i < most; i++) {
       const char *whole = key_of(s, j), *part = key_of(s, i);
@@ -102,10 +102,10 @@ static bool same_value(const char *a, const char *b) {
   return strcmp(a, b) == 0 || (gh_parse_number(a, &x) && gh_parse_number(b, &y) && x == y);
 }
 
-/* What the reference sets is no knob, and another value than in all runs. */
+/* What the reference sets is no parameter, and another value than in all runs. */
 static bool beside(const gh_study *s, const study_entry *e) {
   const study_entry *base = find_entry(s->base, s->nbase, e->key);
-  return find_knob(s, e->key) < 0 && !(base && same_value(base->value, e->value));
+  return find_parameter(s, e->key) < 0 && !(base && same_value(base->value, e->value));
 }
 
 /* ---- names ---- */
@@ -120,31 +120,31 @@ static const char *last_part(const char *path) {
   return slash ? slash + 1 : path;
 }
 
-void study_run_name(const gh_study *s, int setting, int member, char *text, size_t size) {
-  const study_setting *one = s->settings + setting;
+void study_run_name(const gh_study *s, int config, int member, char *text, size_t size) {
+  const study_config *one = s->configs + config;
   *text = 0;
   char value[256];
-  for (int k = 0; k < s->nknobs; k++)
-    add(text, size, s->knobs[k].name, study_plain(one->value[k], value, sizeof value));
+  for (int k = 0; k < s->nparameters; k++)
+    add(text, size, s->parameters[k].name, study_plain(one->value[k], value, sizeof value));
   if (*one->also) add(text, size, "", one->also);
   if (member >= 0 && one->nruns > 1) add(text, size, "", last_part(one->files[member]));
 }
 
 /* ---- combinations ---- */
 
-static gh_status make(gh_study *s, study_setting *one) {
-  GH_TRY(gh_alloc(s->ctx, (size_t)s->nknobs, sizeof *one->value, &one->value));
-  return gh_alloc(s->ctx, (size_t)s->nknobs, sizeof *one->choice, &one->choice);
+static gh_status make(gh_study *s, study_config *one) {
+  GH_TRY(gh_alloc(s->ctx, (size_t)s->nparameters, sizeof *one->value, &one->value));
+  return gh_alloc(s->ctx, (size_t)s->nparameters, sizeof *one->choice, &one->choice);
 }
 
-/* The setting with this number: the last knob is the fastest. */
-static gh_status combine(gh_study *s, int number, study_setting *one) {
+/* The configuration with this number: the last parameter is the fastest. */
+static gh_status combine(gh_study *s, int number, study_config *one) {
   GH_TRY(make(s, one));
-  for (int k = s->nknobs - 1; k >= 0; k--) {
-    const study_knob *knob = s->knobs + k;
-    one->choice[k] = number % knob->nvalues;
-    number /= knob->nvalues;
-    GH_TRY(gh_copy_text(s->ctx, knob->value[one->choice[k]], &one->value[k]));
+  for (int k = s->nparameters - 1; k >= 0; k--) {
+    const study_parameter *parameter = s->parameters + k;
+    one->choice[k] = number % parameter->nvalues;
+    number /= parameter->nvalues;
+    GH_TRY(gh_copy_text(s->ctx, parameter->value[one->choice[k]], &one->value[k]));
   }
   one->reference = -1;
   return gh_copy_text(s->ctx, "", &one->also);
@@ -152,30 +152,30 @@ static gh_status combine(gh_study *s, int number, study_setting *one) {
 
 static gh_status count_rows(gh_study *s, int *rows) {
   double product = 1;
-  for (int k = 0; k < s->nknobs; k++) product *= s->knobs[k].nvalues;
-  if (product > MOST_SETTINGS)
+  for (int k = 0; k < s->nparameters; k++) product *= s->parameters[k].nvalues;
+  if (product > MOST_CONFIGS)
     return gh_fail(s->ctx, GH_INPUT, "%s:%d: %.0f combinations of values, at most %d are possible", s->path,
-                   s->knobs[0].line, product, MOST_SETTINGS);
+                   s->parameters[0].line, product, MOST_CONFIGS);
   *rows = (int)product;
   return GH_OK;
 }
 
 /* ---- references ---- */
 
-/* The value of a knob in the reference of a row. */
-static const char *tightened(const gh_study *s, const study_setting *row, int knob) {
-  const study_entry *e = find_entry(s->tighter, s->ntighter, s->knobs[knob].name);
-  return e ? e->value : row->value[knob];
+/* The value of a parameter in the reference of a row. */
+static const char *tightened(const gh_study *s, const study_config *row, int parameter) {
+  const study_entry *e = find_entry(s->tighter, s->ntighter, s->parameters[parameter].name);
+  return e ? e->value : row->value[parameter];
 }
 
-static gh_status make_reference(gh_study *s, int row, study_setting *one) {
+static gh_status make_reference(gh_study *s, int row, study_config *one) {
   char also[1024] = "";
   GH_TRY(make(s, one));
-  for (int k = 0; k < s->nknobs; k++) {
-    const char *value = tightened(s, s->settings + row, k);
+  for (int k = 0; k < s->nparameters; k++) {
+    const char *value = tightened(s, s->configs + row, k);
     one->choice[k] = -1;
-    for (int j = 0; j < s->knobs[k].nvalues; j++)
-      if (same_value(s->knobs[k].value[j], value)) one->choice[k] = j;
+    for (int j = 0; j < s->parameters[k].nvalues; j++)
+      if (same_value(s->parameters[k].value[j], value)) one->choice[k] = j;
     GH_TRY(gh_copy_text(s->ctx, value, &one->value[k]));
   }
   for (int k = 0; k < s->ntighter; k++)
@@ -189,12 +189,12 @@ static gh_status make_reference(gh_study *s, int row, study_setting *one) {
   return gh_copy_text(s->ctx, also, &one->also);
 }
 
-/* Whether setting k, which is a row or a reference, is the reference of a row. */
+/* Whether configuration k, which is a row or a reference, is the reference of a row. */
 static bool is_reference(const gh_study *s, int k, int row, bool with_more) {
-  const study_setting *one = s->settings + k;
+  const study_config *one = s->configs + k;
   if (with_more && !one->extra) return false;
-  for (int j = 0; j < s->nknobs; j++)
-    if (!same_value(one->value[j], tightened(s, s->settings + row, j))) return false;
+  for (int j = 0; j < s->nparameters; j++)
+    if (!same_value(one->value[j], tightened(s, s->configs + row, j))) return false;
   return true;
 }
 
@@ -203,14 +203,14 @@ static gh_status add_references(gh_study *s, int rows) {
   for (int k = 0; k < s->ntighter; k++) with_more = with_more || beside(s, s->tighter + k);
   for (int row = 0; row < rows; row++) {
     int found = -1;
-    for (int k = 0; k < s->nsettings && found < 0; k++)
+    for (int k = 0; k < s->nconfigs && found < 0; k++)
       if (is_reference(s, k, row, with_more)) found = k;
     if (found < 0) {
-      found = s->nsettings++;
-      GH_TRY(make_reference(s, row, s->settings + found));
-      s->settings[found].reference = found;
+      found = s->nconfigs++;
+      GH_TRY(make_reference(s, row, s->configs + found));
+      s->configs[found].reference = found;
     }
-    s->settings[row].reference = found;
+    s->configs[row].reference = found;
   }
   return GH_OK;
 }
@@ -253,7 +253,7 @@ static gh_status copy_file(gh_study *s, const char *name, char **copy) {
 }
 
 /* Files that fit the pattern, ascending; at least one. */
-static gh_status find_files(gh_study *s, const char *pattern, study_setting *one) {
+static gh_status find_files(gh_study *s, const char *pattern, study_config *one) {
   glob_t found = {0};
   char *path = place_pattern(s->folder, pattern);
   if (!path) return gh_fail(s->ctx, GH_MEMORY, "no memory for a path");
@@ -270,7 +270,7 @@ static gh_status find_files(gh_study *s, const char *pattern, study_setting *one
   return status;
 }
 
-static gh_status find_members(gh_study *s, study_setting *one) {
+static gh_status find_members(gh_study *s, study_config *one) {
   const char *value = study_value(s, one, "packing");
   char *pattern = NULL;
   if (!value) {
@@ -291,13 +291,13 @@ static gh_status find_members(gh_study *s, study_setting *one) {
 gh_status study_plan(gh_study *s) {
   int rows = 0;
   GH_TRY(count_rows(s, &rows));
-  GH_TRY(gh_alloc(s->ctx, 2 * (size_t)rows, sizeof *s->settings, &s->settings));
+  GH_TRY(gh_alloc(s->ctx, 2 * (size_t)rows, sizeof *s->configs, &s->configs));
   for (int k = 0; k < rows; k++) {
-    s->nsettings = k + 1;
-    GH_TRY(combine(s, k, s->settings + k));
+    s->nconfigs = k + 1;
+    GH_TRY(combine(s, k, s->configs + k));
   }
-  if (s->reference == STUDY_SETTING) GH_TRY(add_references(s, rows));
-  for (int k = 0; k < s->nsettings; k++) GH_TRY(find_members(s, s->settings + k));
+  if (s->reference == STUDY_CONFIG) GH_TRY(add_references(s, rows));
+  for (int k = 0; k < s->nconfigs; k++) GH_TRY(find_members(s, s->configs + k));
   return GH_OK;
 }
 
@@ -307,10 +307,10 @@ void study_curve_free(study_curve *curve) {
   *curve = (study_curve){0};
 }
 
-void study_settings_destroy(gh_study *s) {
-  for (int k = 0; k < s->nsettings; k++) {
-    study_setting *one = s->settings + k;
-    for (int j = 0; j < s->nknobs && one->value; j++) free(one->value[j]);
+void study_configs_destroy(gh_study *s) {
+  for (int k = 0; k < s->nconfigs; k++) {
+    study_config *one = s->configs + k;
+    for (int j = 0; j < s->nparameters && one->value; j++) free(one->value[j]);
     for (int j = 0; j < one->nruns; j++) {
       if (one->runs) study_curve_free(&one->runs[j].curve);
       if (one->files) free(one->files[j]);
@@ -321,5 +321,5 @@ void study_settings_destroy(gh_study *s) {
     free(one->files);
     free(one->runs);
   }
-  free(s->settings);
+  free(s->configs);
 }
