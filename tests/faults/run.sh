@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
-# make faults: every allocation and every call on files of granhom's commands fails once (faultpoint.c, drive.py). Prints what went
-# wrong, a table, and "N passed, N failed". BUILD: the folder of the build; SAMPLE=N: so many points of each row, drawn with SEED;
-# JOBS: rows at the same time; ROWS: those to go through ("run:io:hard restart:own:hard"). Of points that the same calls lead to, the
-# first, the second and the last fail (with ranks, and in libraries, the first): some 25,000 runs, half an hour on two free cores.
+# make faults: every allocation and every call on files of granhom's commands fails once (faultpoint.c, faultcalls.c, drive.py). Prints what
+# went wrong, a table, and "N passed, N failed". BUILD: the folder of the build; SAMPLE=N: so many points of each row, drawn with SEED;
+# JOBS: rows at the same time; ROWS: those to go through ("run:io:hard restart:own:hard"). Of points that the same calls lead to, the first,
+# the second and the last fail (with ranks, and in libraries, the first): some 25,000 runs, half an hour on two free cores.
 # SPDX-License-Identifier: GPL-2.0-or-later
 set -u
 cd "$(dirname "$0")/../.." || exit 1
@@ -13,7 +13,7 @@ trap 'rm -rf "$work"' EXIT
 trap 'exit 130' INT TERM
 export OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1 OMPI_MCA_rmaps_base_oversubscribe=1 OMPI_MCA_mpi_yield_when_idle=1
 export OMPI_MCA_btl_base_warn_component_unused=0 OMPI_MCA_btl_vader_single_copy_mechanism=none
-${CC:-gcc} -std=gnu17 -O2 -Wall -Wextra -shared -fPIC "$here/faultpoint.c" -o "$work/faultpoint.so" -ldl || exit 1
+${CC:-gcc} -std=gnu17 -O2 -Wall -Wextra -shared -fPIC "$here/faultpoint.c" "$here/faultcalls.c" -o "$work/faultpoint.so" -ldl || exit 1
 
 seed=${SEED:-$(date +%s)}
 few=()
