@@ -1,17 +1,19 @@
 #!/usr/bin/env bash
 # Results to the last bit: tests/bitwise.sh [COMMIT]. Builds COMMIT (1960c4c) with the same compiler in BUILD/bitwise, runs the same
 # scenes and the paths of tests/data/cases with both programs, and compares every number of the columns that both have, but for
-# seconds. For changes that must change no result. ONLY=PATTERN: those whose name has it; LIMIT: seconds of one run (900); what is
-# stopped then is compared as far as both have come. An hour or more. SPDX-License-Identifier: GPL-2.0-or-later
+# seconds. For changes that must change no result. ONLY=PATTERN: those whose name has it; SCENES="block/p01_taylor ...": these
+# scenes, or none; LIMIT: seconds of one run (900); what is stopped then is compared as far as both have come. An hour or more.
+# SPDX-License-Identifier: GPL-2.0-or-later
 set -u
 cd "$(dirname "$0")/.." || exit 2
 root=$(pwd) commit=${1:-1960c4c} build=$(cd "${BUILD:-build}" && pwd) || exit 2
 work=$build/bitwise
 mkdir -p "$work"
 export OMP_NUM_THREADS=1 OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1
-scenes="block/p01_taylor block/p02_taylor block/p03_taylor block/p01_restricted block/p02_restricted block/p03_restricted
+default="block/p01_taylor block/p02_taylor block/p03_taylor block/p01_restricted block/p02_restricted block/p03_restricted
   biaxial/taylor slope/slope_taylor biaxial/restricted block/p01_periodic block/p02_periodic block/p03_periodic
   block/friction20_periodic"
+scenes=${SCENES-$default}
 
 if [ ! -x "$work/$commit/build/granhom" ]; then
   rm -rf "${work:?}/$commit"
