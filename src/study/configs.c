@@ -103,14 +103,14 @@ static bool same_value(const char *a, const char *b) {
 }
 
 /* What the reference sets is no parameter, and another value than in all runs. */
-static bool beside(const gh_study *s, const study_entry *e) {
+static bool entry_is_beside(const gh_study *s, const study_entry *e) {
   const study_entry *base = find_entry(s->base, s->nbase, e->key);
   return find_parameter(s, e->key) < 0 && !(base && same_value(base->value, e->value));
 }
 
 /* ---- names ---- */
 
-static void add(char *text, size_t size, const char *key, const char *value) {
+static void name_add(char *text, size_t size, const char *key, const char *value) {
   size_t used = strlen(text);
   snprintf(text + used, size - used, "%s%s%s%s", used ? ", " : "", key, *key ? " " : "", value);
 }
@@ -125,21 +125,21 @@ void study_run_name(const gh_study *s, int config, int member, char *text, size_
   *text = 0;
   char value[256];
   for (int k = 0; k < s->nparameters; k++)
-    add(text, size, s->parameters[k].name, study_plain(one->value[k], value, sizeof value));
-  if (*one->also) add(text, size, "", one->also);
-  if (member >= 0 && one->nruns > 1) add(text, size, "", last_part(one->files[member]));
+    name_add(text, size, s->parameters[k].name, study_plain(one->value[k], value, sizeof value));
+  if (*one->also) name_add(text, size, "", one->also);
+  if (member >= 0 && one->nruns > 1) name_add(text, size, "", last_part(one->files[member]));
 }
 
 /* ---- combinations ---- */
 
-static gh_status make(gh_study *s, study_config *one) {
+static gh_status config_alloc(gh_study *s, study_config *one) {
   GH_TRY(gh_alloc(s->ctx, (size_t)s->nparameters, sizeof *one->value, &one->value));
   return gh_alloc(s->ctx, (size_t)s->nparameters, sizeof *one->choice, &one->choice);
 }
 
 /* The configuration with this number: the last parameter is the fastest. */
-static gh_status combine(gh_study *s, int number, study_config *one) {
-  GH_TRY(make(s, one));
+static gh_status config_combine(gh_study *s, int number, study_config *one) {
+  GH_TRY(config_alloc(s, one));
   for (int k = s->nparameters - 1; k >= 0; k--) {
     const study_parameter *parameter = s->parameters + k;
     one->choice[k] = number % parameter->nvalues;
@@ -170,7 +170,7 @@ static const char *tightened(const gh_study *s, const study_config *row, int par
 
 static gh_status make_reference(gh_study *s, int row, study_config *one) {
   char also[1024] = "";
-  GH_TRY(make(s, one));
+  GH_TRY(config_alloc(s, one));
   for (int k = 0; k < s->nparameters; k++) {
     const char *value = tightened(s, s->configs + row, k);
     one->choice[k] = -1;
@@ -179,7 +179,7 @@ static gh_status make_reference(gh_study *s, int row, study_config *one) {
     GH_TRY(gh_copy_text(s->ctx, value, &one->value[k]));
   }
   for (int k = 0; k < s->ntighter; k++)
-    if (beside(s, s->tighter + k)) {
+    if (entry_is_beside(s, s->tighter + k)) {
       size_t used = strlen(also);
       char value[256];
       snprintf(also + used, sizeof also - used, "%s%s: %s", used ? ", " : "", s->tighter[k].key,
@@ -200,7 +200,7 @@ static bool is_reference(const gh_study *s, int k, int row, bool with_more) {
 
 static gh_status add_references(gh_study *s, int rows) {
   bool with_more = false;
-  for (int k = 0; k < s->ntighter; k++) with_more = with_more || beside(s, s->tighter + k);
+  for (int k = 0; k < s->ntighter; k++) with_more = with_more || entry_is_beside(s, s->tighter + k);
   for (int row = 0; row < rows; row++) {
     int found = -1;
     for (int k = 0; k < s->nconfigs && found < 0; k++)
@@ -294,7 +294,7 @@ gh_status study_plan(gh_study *s) {
   GH_TRY(gh_alloc(s->ctx, 2 * (size_t)rows, sizeof *s->configs, &s->configs));
   for (int k = 0; k < rows; k++) {
     s->nconfigs = k + 1;
-    GH_TRY(combine(s, k, s->configs + k));
+    GH_TRY(config_combine(s, k, s->configs + k));
   }
   if (s->reference == STUDY_CONFIG) GH_TRY(add_references(s, rows));
   for (int k = 0; k < s->nconfigs; k++) GH_TRY(find_members(s, s->configs + k));

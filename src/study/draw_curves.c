@@ -35,7 +35,7 @@ typedef struct figure {
 
 /* ---- data ---- */
 
-static void include(double range[2], double low, double high) {
+static void range_include(double range[2], double low, double high) {
   range[0] = fmin(range[0], low), range[1] = fmax(range[1], high);
 }
 
@@ -50,12 +50,12 @@ static void write_curve(figure *f, int k, gh_text *t) {
     for (int c = 0; c < s->nplots; c++) {
       study_sample x = study_members_at(s, s->configs + k, first->t[row], s->plots[c]);
       gh_text_print(t, " %.17g %.17g", x.mean, x.deviation);
-      include(f->y[c], x.mean - x.deviation, x.mean + x.deviation);
+      range_include(f->y[c], x.mean - x.deviation, x.mean + x.deviation);
     }
     gh_text_print(t, "\n");
   }
   gh_text_print(t, "EOD\n");
-  include(f->t, first->t[0], first->t[first->n - 1]);
+  range_include(f->t, first->t[0], first->t[first->n - 1]);
 }
 
 static void write_given(figure *f, gh_text *t) {
@@ -66,7 +66,7 @@ static void write_given(figure *f, gh_text *t) {
     for (int c = 0; c < s->nplots; c++) {
       double v = s->given.value[row * s->ncolumns + s->plots[c]];
       gh_text_print(t, " %.17g 0", v);
-      if (isfinite(v)) include(f->y[c], v, v);
+      if (isfinite(v)) range_include(f->y[c], v, v);
     }
     gh_text_print(t, "\n");
   }
@@ -175,15 +175,15 @@ static void column_name(const gh_study *s, const char *column, char name[2 * STU
 }
 
 /* Panels have room for their name above and for the numbers below. */
-static int pitch(const figure *f) {
+static int figure_pitch(const figure *f) {
   return f->panel_height + (f->rows.grouped ? ROW_NAME : 0) + NUMBERS;
 }
 
 /* Left and upper edge of a panel in pixels from the left and the top. */
-static void place(const figure *f, int row, int plot, int *left, int *top) {
+static void figure_place(const figure *f, int row, int plot, int *left, int *top) {
   int line = plot / f->across * study_rows_count(&f->rows) + row;
   *left = LEFT + plot % f->across * (f->panel_width + BETWEEN);
-  *top = TOP + line * pitch(f) + (f->rows.grouped ? ROW_NAME : 0);
+  *top = TOP + line * figure_pitch(f) + (f->rows.grouped ? ROW_NAME : 0);
 }
 
 static void write_frame(const figure *f, int row, int plot, gh_text *t) {
@@ -191,7 +191,7 @@ static void write_frame(const figure *f, int row, int plot, gh_text *t) {
   const double w = f->width, h = f->height, *y = f->y[plot];
   double pad = y[1] > y[0] ? 0.04 * (y[1] - y[0]) : fmax(fabs(y[1]), 1e-300);
   bool lowest = row == study_rows_count(&f->rows) - 1 && plot + f->across >= f->s->nplots;
-  place(f, row, plot, &left, &top);
+  figure_place(f, row, plot, &left, &top);
   gh_text_print(t, "set lmargin at screen %.5f\nset rmargin at screen %.5f\n", left / w,
                 (left + f->panel_width) / w);
   gh_text_print(t, "set bmargin at screen %.5f\nset tmargin at screen %.5f\n",
@@ -206,7 +206,7 @@ static void write_frame(const figure *f, int row, int plot, gh_text *t) {
 static void write_column(const figure *f, int row, int plot, gh_text *t) {
   int left, top;
   char name[2 * STUDY_NAME];
-  place(f, row, plot, &left, &top);
+  figure_place(f, row, plot, &left, &top);
   column_name(f->s, f->s->column[f->s->plots[plot]], name);
   gh_text_print(t, "set label ");
   gh_picture_string(t, name);
@@ -220,7 +220,7 @@ static void write_name(const figure *f, int row, int plot, gh_text *t) {
   int left, top;
   study_rows_name(&f->rows, row, name);
   if (!*name || plot % f->across != 0) return;
-  place(f, row, plot, &left, &top);
+  figure_place(f, row, plot, &left, &top);
   gh_text_print(t, "set label ");
   gh_picture_string(t, name);
   gh_text_print(t, " at screen %.5f, screen %.5f left noenhanced font ':Bold'\n", left / (double)f->width,
@@ -266,7 +266,7 @@ static gh_status lay_out(figure *f, gh_text *t) {
   size_panels(f);
   count_curves(f);
   study_key_plan(&f->rows, LEFT, f->width - LEFT - RIGHT, &f->key);
-  f->height = TOP + f->bands * study_rows_count(&f->rows) * pitch(f) - NUMBERS + FOOT +
+  f->height = TOP + f->bands * study_rows_count(&f->rows) * figure_pitch(f) - NUMBERS + FOOT +
               study_key_height(&f->key) + EDGE;
   write_data(f, t);
   for (int row = 0; row < study_rows_count(&f->rows); row++) write_bar_data(f, row, t);

@@ -9,14 +9,14 @@ enum { LETTER = 10, SAMPLE = 42, GAP = 24 };
 
 /* ---- entries ---- */
 
-static void add(study_key *key, const char *text, const char *more, study_line line, bool heading) {
+static void key_add(study_key *key, const char *text, const char *more, study_line line, bool heading) {
   if (key->n == STUDY_ENTRIES) return;
   key->entry[key->n].heading = heading;
   key->entry[key->n].line = line;
   snprintf(key->entry[key->n++].text, STUDY_NAME, "%.200s%s", text, more); /* cut later to what fits */
 }
 
-static const char *mark(const gh_study *s, int k) {
+static const char *reference_mark(const gh_study *s, int k) {
   return study_is_reference(s, k) ? " (reference)" : "";
 }
 
@@ -24,7 +24,7 @@ static const char *mark(const gh_study *s, int k) {
 static void add_others(const study_rows *r, study_key *key) {
   for (int k = 0; k < r->s->nconfigs; k++)
     if (r->colour[k] >= STUDY_COLOURS) {
-      add(key, "others", "", (study_line){study_colour(STUDY_COLOURS), 1, 1.1}, false);
+      key_add(key, "others", "", (study_line){study_colour(STUDY_COLOURS), 1, 1.1}, false);
       return;
     }
 }
@@ -35,7 +35,7 @@ static void add_curves(const study_rows *r, study_key *key) {
   for (int k = 0; k < r->s->nconfigs; k++) {
     if (r->group[k] < 0 || r->colour[k] >= STUDY_COLOURS || !study_rows_line(r, 0, k, &line)) continue;
     study_legend(r->s, k, -1, name, sizeof name);
-    add(key, name, mark(r->s, k), line, false);
+    key_add(key, name, reference_mark(r->s, k), line, false);
   }
 }
 
@@ -44,7 +44,7 @@ static void add_series(const study_rows *r, study_key *key) {
   char name[STUDY_NAME];
   study_line line;
   const study_parameter *parameter = r->s->parameters + r->s->series;
-  add(key, parameter->name, "", (study_line){"", 1, 0}, true);
+  key_add(key, parameter->name, "", (study_line){"", 1, 0}, true);
   for (int v = 0; v < parameter->nvalues && v < STUDY_COLOURS; v++) {
     int some = -1;
     for (int k = r->s->nconfigs - 1; k >= 0; k--)
@@ -52,30 +52,30 @@ static void add_series(const study_rows *r, study_key *key) {
     if (some < 0) continue;
     study_rows_line(r, r->group[some], some, &line);
     study_short_value(r->s, some, r->s->series, name, sizeof name);
-    add(key, name, "", line, false);
+    key_add(key, name, "", line, false);
   }
 }
 
 static void add_compared(const study_rows *r, study_key *key) {
   char name[STUDY_NAME];
   study_line line;
-  add(key, "comparison", "", (study_line){"", 1, 0}, true);
+  key_add(key, "comparison", "", (study_line){"", 1, 0}, true);
   for (int k = 0; k < r->s->nconfigs; k++) {
     if (r->group[k] < 0 || !study_rows_line(r, r->ngroups, k, &line)) continue;
     study_legend(r->s, k, r->s->series, name, sizeof name);
-    add(key, name, mark(r->s, k), line, false);
+    key_add(key, name, reference_mark(r->s, k), line, false);
   }
 }
 
 static void add_references(const study_rows *r, study_key *key) {
   study_line line;
-  if (r->extra >= 0 && study_rows_line(r, 0, r->extra, &line)) add(key, "reference", "", line, false);
+  if (r->extra >= 0 && study_rows_line(r, 0, r->extra, &line)) key_add(key, "reference", "", line, false);
   if (study_rows_given(r, &line))
-    add(key, r->s->reference_text ? r->s->reference_text : "reference", "", line, false);
+    key_add(key, r->s->reference_text ? r->s->reference_text : "reference", "", line, false);
 }
 
 /* Shorter by whole letters of UTF-8. */
-static void cut(char *text, int letters) {
+static void text_cut(char *text, int letters) {
   if ((int)strlen(text) <= letters) return;
   int n = letters > 3 ? letters - 3 : 0;
   while (n > 0 && ((unsigned char)text[n] & 0xC0) == 0x80) n--;
@@ -93,7 +93,7 @@ void study_key_plan(const study_rows *r, int left, int width, study_key *key) {
   }
   add_references(r, key);
   if (r->compared >= 0) add_compared(r, key);
-  for (int k = 0; k < key->n; k++) cut(key->entry[k].text, (width - SAMPLE) / LETTER);
+  for (int k = 0; k < key->n; k++) text_cut(key->entry[k].text, (width - SAMPLE) / LETTER);
 }
 
 /* ---- places ---- */
@@ -104,7 +104,7 @@ static int column_width(const study_key *key) {
 
 /* Line and column of an entry: as many columns as fit, of which a longer name takes more than one; headings
  * have lines of their own. */
-static void place(const study_key *key, int entry, int *line, int *column) {
+static void key_place(const study_key *key, int entry, int *line, int *column) {
   int columns = (key->width + GAP) / column_width(key), next = 0;
   if (columns < 1) columns = 1;
   *line = *column = 0;
@@ -121,7 +121,7 @@ static void place(const study_key *key, int entry, int *line, int *column) {
 int study_key_height(const study_key *key) {
   int line, column;
   if (key->n == 0) return 0;
-  place(key, key->n - 1, &line, &column);
+  key_place(key, key->n - 1, &line, &column);
   return STUDY_KEY_LINE * (line + 1);
 }
 
@@ -129,7 +129,7 @@ void study_key_print(const study_key *key, int bottom, int picture_width, int pi
   const double w = picture_width, h = picture_height;
   int top = bottom + study_key_height(key), line, column;
   for (int k = 0; k < key->n; k++) {
-    place(key, k, &line, &column);
+    key_place(key, k, &line, &column);
     bool heading = key->entry[k].heading;
     const study_line *l = &key->entry[k].line;
     double x = key->left + column * column_width(key);

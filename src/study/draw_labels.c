@@ -12,24 +12,24 @@ typedef struct box {
 /* About what the margins and the key leave of the picture, and the size of a letter in it. */
 static const double LETTER_WIDTH = 6.8 / 520, LETTER_HEIGHT = 12.0 / 470, POINT = 5.0 / 520;
 
-static bool overlaps(const box *a, const box *b) {
+static bool box_overlaps(const box *a, const box *b) {
   return a->x[0] < b->x[1] && b->x[0] < a->x[1] && a->y[0] < b->y[1] && b->y[0] < a->y[1];
 }
 
-static double share(const double axis[2], double v) {
+static double axis_share(const double axis[2], double v) {
   return log(v / axis[0]) / log(axis[1] / axis[0]);
 }
 
 static bool is_free(const box *b, const box *taken, int n) {
   if (b->x[0] < 0 || b->x[1] > 1.05 || b->y[0] < 0 || b->y[1] > 1) return false;
   for (int k = 0; k < n; k++)
-    if (overlaps(b, taken + k)) return false;
+    if (box_overlaps(b, taken + k)) return false;
   return true;
 }
 
 /* Beside the point, above or below, to the right or the left: the first place that nothing covers yet. */
 static bool place_label(const study_plot *p, int k, int letters, const box *taken, int n, int *side, box *b) {
-  double x = share(p->x_axis, study_plot_x_of(p, k)), y = share(p->y_axis, study_plot_y_of(p, k)),
+  double x = axis_share(p->x_axis, study_plot_x_of(p, k)), y = axis_share(p->y_axis, study_plot_y_of(p, k)),
          width = letters * LETTER_WIDTH;
   for (*side = 0; *side < 4; ++*side) {
     double sign = *side % 2 ? -1 : 1, middle = y + (*side < 2 ? 1 : -1) * LETTER_HEIGHT;
@@ -48,7 +48,7 @@ gh_status study_plot_labels(const study_plot *p, gh_text *t) {
   GH_TRY(gh_alloc(p->s->ctx, 2 * (size_t)p->points, sizeof *taken, &taken));
   for (int k = 0; k < p->s->nconfigs; k++) {
     if (!study_plot_drawn(p, k)) continue;
-    double x = share(p->x_axis, study_plot_x_of(p, k)), y = share(p->y_axis, study_plot_y_of(p, k));
+    double x = axis_share(p->x_axis, study_plot_x_of(p, k)), y = axis_share(p->y_axis, study_plot_y_of(p, k));
     taken[n++] = (box){{x - POINT, x + POINT}, {y - POINT, y + POINT}};
   }
   for (int first = 0, curve = 0; first < p->s->nconfigs; first++) {

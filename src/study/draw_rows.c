@@ -116,7 +116,7 @@ bool study_rows_given(const study_rows *r, study_line *line) {
 
 /* ---- names ---- */
 
-static void append(char text[STUDY_NAME], const char *before, const char *more) {
+static void name_append(char text[STUDY_NAME], const char *before, const char *more) {
   size_t n = strlen(text);
   snprintf(text + n, STUDY_NAME - n, "%s%s", before, more);
 }
@@ -131,13 +131,13 @@ static void name_references(const study_rows *r, int group, char name[STUDY_NAME
     references += study_is_reference(r->s, k);
   }
   if (references == 0) return;
-  append(name, " (reference", references == curves ? "" : ": ");
+  name_append(name, " (reference", references == curves ? "" : ": ");
   for (int k = 0, n = 0; k < r->s->nconfigs && references < curves; k++) {
     if (r->group[k] != group || !study_is_reference(r->s, k)) continue;
     study_short_value(r->s, k, r->s->series, value, sizeof value);
-    append(name, n++ ? ", " : "", value);
+    name_append(name, n++ ? ", " : "", value);
   }
-  append(name, "", ")");
+  name_append(name, "", ")");
 }
 
 void study_rows_name(const study_rows *r, int row, char name[STUDY_NAME]) {

@@ -17,7 +17,7 @@ static double parameter_of(const gh_study *s, int config) {
   return gh_parse_number(g->value[s->order], &number) ? number : NAN;
 }
 
-static bool usable(const gh_study *s, int config) {
+static bool point_usable(const gh_study *s, int config) {
   return study_is_rated(s, config) && parameter_of(s, config) > 0;
 }
 
@@ -27,32 +27,32 @@ static bool parameter_grows(const gh_study *s) {
   double sum = 0;
   for (int k = 0; k < s->nconfigs; k++) {
     int r = s->configs[k].reference;
-    if (!usable(s, k) || r < 0) continue;
+    if (!point_usable(s, k) || r < 0) continue;
     double there = parameter_of(s, r), here = parameter_of(s, k);
     if (isfinite(there) && there != here) sum += there > here ? 1 : -1;
   }
   if (sum != 0) return sum > 0;
   for (int a = 0; a < s->nconfigs; a++)
     for (int b = 0; b < a; b++) {
-      if (!usable(s, a) || !usable(s, b) || !study_alike(s, a, b, s->order)) continue;
+      if (!point_usable(s, a) || !point_usable(s, b) || !study_alike(s, a, b, s->order)) continue;
       double ea = fmax(study_error_of(s, a), ROUND_OFF), eb = fmax(study_error_of(s, b), ROUND_OFF);
       sum -= log(ea / eb) * log(parameter_of(s, a) / parameter_of(s, b));
     }
   return sum >= 0;
 }
 
-static int by_x(const void *a, const void *b) {
+static int points_by_x(const void *a, const void *b) {
   const point *p = a, *q = b;
   return p->x < q->x ? -1 : p->x > q->x;
 }
 
 /* The configurations that differ from `first` in the order parameter alone, from coarse to fine. */
-static int collect(const gh_study *s, int first, point *p) {
+static int points_collect(const gh_study *s, int first, point *p) {
   int n = 0;
   for (int k = first; k < s->nconfigs; k++)
-    if (usable(s, k) && study_alike(s, k, first, s->order))
+    if (point_usable(s, k) && study_alike(s, k, first, s->order))
       p[n++] = (point){(s->verdict->grows ? 1 : -1) * log(parameter_of(s, k)), study_error_of(s, k), k};
-  qsort(p, (size_t)n, sizeof *p, by_x);
+  qsort(p, (size_t)n, sizeof *p, points_by_x);
   return n;
 }
 
@@ -86,7 +86,7 @@ static int longest_fall(const point *p, int n, double limit, int *first) {
 }
 
 /* Minus the slope of log error over x. */
-static double slope(const point *p, int n) {
+static double points_slope(const point *p, int n) {
   double x = 0, y = 0, xx = 0, xy = 0;
   for (int k = 0; k < n; k++) x += p[k].x / n, y += log(p[k].error) / n;
   for (int k = 0; k < n; k++) {
@@ -96,7 +96,7 @@ static double slope(const point *p, int n) {
   return -xy / xx;
 }
 
-static void fit(gh_study *s, const point *p, int n, struct study_fit *f) {
+static void points_fit(gh_study *s, const point *p, int n, struct study_fit *f) {
   int first = 0, parameter = s->order;
 #define CHOICE(k) s->configs[p[k].config].choice[parameter]
   f->order = NAN;
@@ -109,7 +109,7 @@ static void fit(gh_study *s, const point *p, int n, struct study_fit *f) {
   for (int k = 1; k < n; k++) s->verdict->row[p[k].config].order = order_at(p, k);
   int used = longest_fall(p, n, 10 * find_floor(p, n), &first);
   if (used < 2) return;
-  f->order = slope(p + first, used);
+  f->order = points_slope(p + first, used);
   f->from = CHOICE(first), f->to = CHOICE(first + used - 1);
 #undef CHOICE
 }
@@ -123,7 +123,7 @@ gh_status study_fit_orders(gh_study *s) {
   for (int k = 0; k < s->nconfigs; k++) {
     if (s->configs[k].extra || !study_first_alike(s, k, s->order)) continue;
     v->fits[v->nfits].first = k;
-    fit(s, p, collect(s, k, p), v->fits + v->nfits++);
+    points_fit(s, p, points_collect(s, k, p), v->fits + v->nfits++);
   }
   free(p);
   return GH_OK;

@@ -40,15 +40,15 @@ typedef struct walk {
   bool warned; /* of overlaps */
 } walk;
 
-static void count(void *data, const gh_rve_measures *m) {
+static void walk_count(void *data, const gh_rve_measures *m) {
   walk *w = data;
   gh_rve_balance_add(&w->balance, m);
   w->run->residual = w->balance.residual;
   w->run->energy_defect = gh_rve_balance_defect(&w->balance);
 }
 
-static gh_status reach(walk *w, const double from[4], const double to[4]) {
-  gh_rve_way way = {.count = count, .data = w};
+static gh_status walk_reach(walk *w, const double from[4], const double to[4]) {
+  gh_rve_way way = {.count = walk_count, .data = w};
   memcpy(way.from, from, sizeof way.from);
   memcpy(way.to, to, sizeof way.to);
   gh_status status = gh_rve_reach(w->rve, &way, NULL);
@@ -58,7 +58,7 @@ static gh_status reach(walk *w, const double from[4], const double to[4]) {
   return gh_rve_commit(w->rve);
 }
 
-static gh_status add_row(walk *w, double t) {
+static gh_status walk_add_row(walk *w, double t) {
   const gh_rve_measures *m = gh_rve_measure(w->rve);
   double value[COLUMNS];
   memcpy(value, m->P, 4 * sizeof *value);
@@ -67,13 +67,13 @@ static gh_status add_row(walk *w, double t) {
   return study_curve_add(w->p->ctx, &w->run->curve, &w->capacity, COLUMNS, t, value);
 }
 
-static gh_status rows(walk *w) {
+static gh_status walk_rows(walk *w) {
   const study_path *path = &w->p->path;
   for (int k = 0; k < path->rows; k++) {
     const double *to = path->F + 4 * k, *from = k ? to - 4 : to;
     if (study_stopped(w->stop)) return gh_fail(w->p->ctx, GH_STOPPED, "stopped on request");
-    gh_status status = reach(w, from, to);
-    if (status == GH_OK) status = add_row(w, path->t[k]);
+    gh_status status = walk_reach(w, from, to);
+    if (status == GH_OK) status = walk_add_row(w, path->t[k]);
     if (status != GH_OK) return gh_prefix(w->p->ctx, status, "t = %.6g: ", path->t[k]);
   }
   return GH_OK;
@@ -84,7 +84,7 @@ static gh_status walk_path(study_problem *p, const study_stop *stop, study_run *
   gh_rve_cost cost = {0};
   GH_TRY(gh_rve_create(p->ctx, p->packing, &p->rve, &w.rve));
   run->residual = 0;
-  gh_status status = rows(&w);
+  gh_status status = walk_rows(&w);
   gh_rve_costs(w.rve, &cost);
   run->force_evaluations = cost.steps;
   run->pair_evaluations = cost.pairs;
@@ -111,7 +111,7 @@ static gh_status add_peer_row(study_problem *p, study_run *run, size_t *capacity
   return study_curve_add(p->ctx, &run->curve, capacity, COLUMNS, p->path.t[k], value);
 }
 
-static gh_status tell_end(study_problem *p, const gh_peer_result *r) {
+static gh_status peer_end(study_problem *p, const gh_peer_result *r) {
   static const gh_status statuses[] = {[GH_PEER_DONE] = GH_OK,
                                        [GH_PEER_MISSING] = GH_SYSTEM,
                                        [GH_PEER_UNABLE] = GH_INPUT,
@@ -122,7 +122,7 @@ static gh_status tell_end(study_problem *p, const gh_peer_result *r) {
                  r->message);
 }
 
-static gh_status pose(study_problem *p, double *x, gh_peer_row *row, study_run *run) {
+static gh_status peer_run(study_problem *p, double *x, gh_peer_row *row, study_run *run) {
   const gh_packing *packing = p->packing;
   size_t capacity = 0;
   gh_peer_result result;
@@ -141,10 +141,10 @@ static gh_status pose(study_problem *p, double *x, gh_peer_row *row, study_run *
   GH_TRY(gh_peer_run(p->ctx, (gh_peer_kind)p->peer, &problem, row, &result));
   run->residual = 0;
   for (int k = 0; k < result.rows; k++) GH_TRY(add_peer_row(p, run, &capacity, k, row + k));
-  return tell_end(p, &result);
+  return peer_end(p, &result);
 }
 
-static gh_status ask_peer(study_problem *p, study_run *run) {
+static gh_status peer_follow(study_problem *p, study_run *run) {
   double *x = NULL;
   gh_peer_row *row = NULL;
   if (p->rve.boundary != GH_PERIODIC)
@@ -152,12 +152,12 @@ static gh_status ask_peer(study_problem *p, study_run *run) {
                    p->peer == GH_PEER_LAMMPS ? "gran" : "liggghts", gh_boundary_name(p->rve.boundary));
   gh_status status = gh_alloc(p->ctx, 2 * (size_t)p->packing->n, sizeof *x, &x);
   if (status == GH_OK) status = gh_alloc(p->ctx, (size_t)p->path.rows, sizeof *row, &row);
-  if (status == GH_OK) status = pose(p, x, row, run);
+  if (status == GH_OK) status = peer_run(p, x, row, run);
   free(x);
   free(row);
   return status;
 }
 
 gh_status study_follow(study_problem *p, const study_stop *stop, study_run *run) {
-  return p->peer == STUDY_NO_PEER ? walk_path(p, stop, run) : ask_peer(p, run);
+  return p->peer == STUDY_NO_PEER ? walk_path(p, stop, run) : peer_follow(p, run);
 }

@@ -14,7 +14,7 @@ void study_path_free(study_path *path) {
   *path = (study_path){0};
 }
 
-static gh_status reserve(gh_context *ctx, node where, double rows, study_path *p) {
+static gh_status path_reserve(gh_context *ctx, node where, double rows, study_path *p) {
   if (rows > MOST_ROWS)
     return gh_yaml_fail(where, "the path has %.0f rows with `refine`, at most %d are possible", rows,
                         MOST_ROWS);
@@ -22,7 +22,7 @@ static gh_status reserve(gh_context *ctx, node where, double rows, study_path *p
   return gh_alloc(ctx, (size_t)rows, 4 * sizeof *p->F, &p->F);
 }
 
-static void begin(study_path *p) {
+static void path_begin(study_path *p) {
   static const double one[4] = {1, 0, 0, 1};
   p->t[0] = 0;
   memcpy(p->F, one, sizeof one);
@@ -31,7 +31,7 @@ static void begin(study_path *p) {
 
 /* `count` increments of 1/refine each in t, linearly from the last row to `to`. Quotients are formed first,
  * so that a coarse and a fine path agree to the bit where they meet. */
-static void add_leg(study_path *p, const double to[4], int count, long refine) {
+static void path_add_leg(study_path *p, const double to[4], int count, long refine) {
   double from[4], begin_t = p->t[p->rows - 1];
   const long n = count * refine;
   memcpy(from, p->F + 4 * (p->rows - 1), sizeof from);
@@ -57,7 +57,7 @@ static gh_status read_leg(node leg, double to[4], long *count) {
 }
 
 /* Between two F of positive determinant there may be one that has none. */
-static gh_status check_rows(node where, const study_path *p, int first) {
+static gh_status path_check_rows(node where, const study_path *p, int first) {
   for (int k = first; k < p->rows; k++)
     if (!(gh_det2(p->F + 4 * k) > 0))
       return gh_yaml_fail(where, "on the path to it det F is %g at t = %g; it must be positive",
@@ -74,14 +74,14 @@ static gh_status read_legs(gh_context *ctx, node legs, long refine, study_path *
     GH_TRY(read_leg(gh_yaml_item(legs, k), to, &count));
     total += (double)count * (double)refine;
   }
-  GH_TRY(reserve(ctx, legs, total, p));
-  begin(p);
+  GH_TRY(path_reserve(ctx, legs, total, p));
+  path_begin(p);
   for (int k = 0; k < gh_yaml_length(legs); k++) {
     node leg = gh_yaml_item(legs, k);
     int first = p->rows;
     GH_TRY(read_leg(leg, to, &count));
-    add_leg(p, to, (int)count, refine);
-    GH_TRY(check_rows(leg, p, first));
+    path_add_leg(p, to, (int)count, refine);
+    GH_TRY(path_check_rows(leg, p, first));
   }
   return GH_OK;
 }
@@ -98,8 +98,8 @@ static gh_status find_columns(gh_context *ctx, const gh_csv *csv, const char *fi
   return GH_OK;
 }
 
-static gh_status row_of(gh_context *ctx, const gh_csv *csv, const char *file, int row, const int column[4],
-                        double F[4]) {
+static gh_status path_row(gh_context *ctx, const gh_csv *csv, const char *file, int row, const int column[4],
+                          double F[4]) {
   for (int c = 0; c < 4; c++) F[c] = csv->value[(size_t)row * (size_t)csv->ncols + (size_t)column[c]];
   if (gh_det2(F) > 0) return GH_OK;
   return gh_fail(ctx, GH_INPUT, "%s:%d: F has the determinant %g; it must be positive", file, csv->line[row],
@@ -110,15 +110,15 @@ static gh_status add_rows(gh_context *ctx, node where, const gh_csv *csv, const 
                           study_path *p) {
   int column[4];
   GH_TRY(find_columns(ctx, csv, file, column));
-  GH_TRY(reserve(ctx, where, 1 + (double)csv->nrows * (double)refine, p));
-  begin(p);
+  GH_TRY(path_reserve(ctx, where, 1 + (double)csv->nrows * (double)refine, p));
+  path_begin(p);
   for (int row = 0; row < csv->nrows; row++) {
     double F[4];
     int first = p->rows;
-    GH_TRY(row_of(ctx, csv, file, row, column, F));
+    GH_TRY(path_row(ctx, csv, file, row, column, F));
     if (row == 0 && memcmp(F, p->F, sizeof F) == 0) continue; /* the row F = I is there */
-    add_leg(p, F, 1, refine);
-    GH_TRY(check_rows(where, p, first));
+    path_add_leg(p, F, 1, refine);
+    GH_TRY(path_check_rows(where, p, first));
   }
   return GH_OK;
 }
@@ -158,8 +158,10 @@ bool study_path_agree(const study_path *a, const study_path *b, double *t) {
       continue;
     }
     for (int c = 0; c < 4; c++)
-      if (fabs(a->F[4 * i + c] - b->F[4 * j + c]) > same * fmax(1, fabs(a->F[4 * i + c])))
-        return *t = a->t[i], false;
+      if (fabs(a->F[4 * i + c] - b->F[4 * j + c]) > same * fmax(1, fabs(a->F[4 * i + c]))) {
+        *t = a->t[i];
+        return false;
+      }
     i++, j++;
   }
   return true;

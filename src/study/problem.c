@@ -23,36 +23,36 @@ uint64_t study_hash(uint64_t sum, const void *bytes, size_t size) {
 }
 
 /* A text with its end, so that two texts are not the same as one. */
-static uint64_t add_text(uint64_t sum, const char *text) {
+static uint64_t hash_text(uint64_t sum, const char *text) {
   return study_hash(sum, text, strlen(text) + 1);
 }
 
-static gh_status add_file(gh_context *ctx, const char *path, uint64_t *sum) {
+static gh_status hash_file(gh_context *ctx, const char *path, uint64_t *sum) {
   char *text;
   GH_TRY(gh_file_text(ctx, path, &text));
-  *sum = add_text(*sum, text);
+  *sum = hash_text(*sum, text);
   free(text);
   return GH_OK;
 }
 
-static gh_status add_node(gh_context *ctx, node n, uint64_t *sum) {
+static gh_status hash_node(gh_context *ctx, node n, uint64_t *sum) {
   gh_text *text;
   GH_TRY(gh_text_create(ctx, &text));
   gh_yaml_print(n, text);
   gh_status status = gh_text_check(text);
-  if (status == GH_OK) *sum = add_text(*sum, gh_text_get(text, NULL));
+  if (status == GH_OK) *sum = hash_text(*sum, gh_text_get(text, NULL));
   gh_text_destroy(&text);
   return status;
 }
 
 /* The content of a file that a key names. */
-static gh_status add_named(gh_context *ctx, const char *folder, node n, uint64_t *sum) {
+static gh_status hash_named(gh_context *ctx, const char *folder, node n, uint64_t *sum) {
   const char *name;
   if (!gh_yaml_has(n)) return GH_OK;
   GH_TRY(gh_yaml_text(n, "a file", &name));
   char *path = gh_path_join(folder, name);
   if (!path) return gh_fail(ctx, GH_MEMORY, "no memory for a path");
-  gh_status status = add_file(ctx, path, sum);
+  gh_status status = hash_file(ctx, path, sum);
   free(path);
   return status;
 }
@@ -91,13 +91,13 @@ static void close_id(uint64_t sum, char id[20]) {
 }
 
 static uint64_t open_id(const char *kind) {
-  return add_text(add_text(add_text(study_hash_begin, "granhom study 1"), GH_VERSION), kind);
+  return hash_text(hash_text(hash_text(study_hash_begin, "granhom study 1"), GH_VERSION), kind);
 }
 
 /* ---- a scene ---- */
 
 /* A text as YAML. */
-static gh_status quoted(gh_context *ctx, const char *text, char **yaml) {
+static gh_status text_quote(gh_context *ctx, const char *text, char **yaml) {
   size_t n = 0;
   GH_TRY(gh_alloc(ctx, 2 * strlen(text) + 3, 1, yaml));
   (*yaml)[n++] = '"';
@@ -155,7 +155,7 @@ static gh_status refine_steps(gh_context *ctx, gh_yaml *doc, long refine, scene_
 static gh_status place_packing(gh_context *ctx, gh_yaml *doc, const char *file, scene_keys *k) {
   char *path = realpath(file, NULL), *yaml = NULL;
   if (!path) return gh_fail(ctx, gh_read_status(errno), "%s: cannot be found: %s", file, strerror(errno));
-  gh_status status = quoted(ctx, path, &yaml);
+  gh_status status = text_quote(ctx, path, &yaml);
   if (status == GH_OK) status = add_key(ctx, doc, k, "packing", yaml);
   free(path);
   free(yaml);
@@ -187,12 +187,12 @@ static gh_status hash_scene(gh_context *ctx, const gh_study *s, gh_yaml *doc, st
   uint64_t sum = open_id("scene");
   char *folder = gh_path_folder(s->scene_path);
   if (!folder) return gh_fail(ctx, GH_MEMORY, "no memory for a path");
-  gh_status status = add_node(ctx, gh_yaml_root(doc), &sum);
+  gh_status status = hash_node(ctx, gh_yaml_root(doc), &sum);
   int packings;
   char *const *files = gh_scene_packing_files(p->scene, &packings);
-  for (int k = 0; k < packings && status == GH_OK; k++) status = add_file(ctx, files[k], &sum);
+  for (int k = 0; k < packings && status == GH_OK; k++) status = hash_file(ctx, files[k], &sum);
   if (status == GH_OK)
-    status = add_named(ctx, folder, gh_yaml_get(gh_yaml_get(gh_yaml_root(doc), "mesh"), "gmsh"), &sum);
+    status = hash_named(ctx, folder, gh_yaml_get(gh_yaml_get(gh_yaml_root(doc), "mesh"), "gmsh"), &sum);
   free(folder);
   close_id(sum, p->id);
   return status;
@@ -241,9 +241,9 @@ static gh_status set_keys(gh_context *ctx, gh_yaml *doc, const wanted *w) {
 static gh_status hash_rve(gh_context *ctx, const gh_study *s, node rve, const wanted *w, study_problem *p) {
   uint64_t sum = open_id("rve");
   sum = study_hash(sum, &w->refine, sizeof w->refine);
-  GH_TRY(add_node(ctx, rve, &sum));
-  GH_TRY(add_named(ctx, s->folder, gh_yaml_get(gh_yaml_get(rve, "path"), "file"), &sum));
-  GH_TRY(add_file(ctx, w->packing, &sum));
+  GH_TRY(hash_node(ctx, rve, &sum));
+  GH_TRY(hash_named(ctx, s->folder, gh_yaml_get(gh_yaml_get(rve, "path"), "file"), &sum));
+  GH_TRY(hash_file(ctx, w->packing, &sum));
   close_id(sum, p->id);
   return GH_OK;
 }

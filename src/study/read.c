@@ -32,7 +32,7 @@ static void free_entries(study_entry *list, int n) {
 static gh_status add_entry(gh_study *s, const char *key, node value, study_entry **list, int *n) {
   study_entry *e = NULL;
   for (int k = 0; k < *n; k++)
-    if (strcmp((*list)[k].key, key) == 0) e = *list + k; /* what `quick` says goes before */
+    if (strcmp((*list)[k].key, key) == 0) e = *list + k; /* an entry of `quick` goes before */
   if (!e) {
     study_entry *more = realloc(*list, ((size_t)*n + 1) * sizeof **list);
     if (!more) return gh_fail(s->ctx, GH_MEMORY, "no memory for the keys of a study");
@@ -105,8 +105,11 @@ static gh_status read_parameter_name(const gh_study *s, node whole, node n, cons
   const char *name;
   if (!gh_yaml_has(n)) return GH_OK;
   GH_TRY(gh_yaml_text(n, what, &name));
-  for (int k = 0; k < s->nparameters; k++)
-    if (strcmp(s->parameters[k].name, name) == 0) return *parameter = k, GH_OK;
+  for (int k = 0; k < s->nparameters; k++) {
+    if (strcmp(s->parameters[k].name, name) != 0) continue;
+    *parameter = k;
+    return GH_OK;
+  }
   if (gh_yaml_is_map(whole) && gh_yaml_has(gh_yaml_get(whole, name))) return GH_OK;
   return gh_yaml_fail(n, "%s: '%s' is none of the keys under vary", what, name);
 }
@@ -270,13 +273,13 @@ static gh_status read_plots(gh_study *s, node list) {
 
 /* ---- each run, before it starts ---- */
 
-static gh_status place(gh_study *s, int line, const char *key, const char *value) {
+static gh_status study_locate(gh_study *s, int line, const char *key, const char *value) {
   if (!key) return gh_prefix(s->ctx, GH_INPUT, "%s:%d: ", s->path, line);
   return gh_prefix(s->ctx, GH_INPUT, "%s:%d: %s: %s: ", s->path, line, key, value);
 }
 
 /* Names the key without which the run would be in order; the message of the failure is in the context. */
-static gh_status blame(gh_study *s, int config, int member) {
+static gh_status study_blame(gh_study *s, int config, int member) {
   gh_override *list;
   int *line, count, guilty = -1;
   char message[2048];
@@ -288,8 +291,8 @@ static gh_status blame(gh_study *s, int config, int member) {
     study_problem_close(&p);
   }
   gh_fail(s->ctx, GH_INPUT, "%s", message);
-  if (guilty >= 0) place(s, line[guilty], list[guilty].key, list[guilty].value);
-  else place(s, s->problem_line, NULL, NULL);
+  if (guilty >= 0) study_locate(s, line[guilty], list[guilty].key, list[guilty].value);
+  else study_locate(s, s->problem_line, NULL, NULL);
   free(list);
   free(line);
   return GH_INPUT;
@@ -327,7 +330,7 @@ static gh_status check_run(gh_study *s, int config, int member, study_path *path
   study_problem p;
   study_run *run = s->configs[config].runs + member;
   gh_status status = study_problem_open(s->ctx, s, config, member, -1, &p);
-  if (status == GH_INPUT) status = blame(s, config, member);
+  if (status == GH_INPUT) status = study_blame(s, config, member);
   if (status == GH_OK) {
     memcpy(run->id, p.id, sizeof run->id);
     status = take_columns(s, config, &p);

@@ -125,7 +125,7 @@ gh_status study_record_print(const gh_study *s, int config, const study_run *run
 
 /* ---- reading ---- */
 
-static gh_status damaged(const gh_study *s, const char *what) {
+static gh_status record_damaged(const gh_study *s, const char *what) {
   return gh_fail(s->ctx, GH_INPUT, "the record of a run is damaged: %s", what);
 }
 
@@ -133,15 +133,15 @@ static gh_status check_sum(const gh_study *s, const char *text) {
   const char *check = NULL;
   char wanted[64];
   for (const char *at = text; (at = strstr(at, CHECK)) != NULL; at++) check = at;
-  if (!check) return damaged(s, "it has no checksum");
+  if (!check) return record_damaged(s, "it has no checksum");
   snprintf(wanted, sizeof wanted, CHECK "%016" PRIx64 "\"\n}\n",
            study_hash(study_hash_begin, text, (size_t)(check - text)));
-  return strcmp(check, wanted) == 0 ? GH_OK : damaged(s, "its checksum does not fit");
+  return strcmp(check, wanted) == 0 ? GH_OK : record_damaged(s, "its checksum does not fit");
 }
 
 static gh_status get_number(const gh_study *s, const cJSON *root, const char *name, double *value) {
   const cJSON *n = cJSON_GetObjectItemCaseSensitive(root, name);
-  if (!cJSON_IsNumber(n) && !cJSON_IsNull(n)) return damaged(s, name);
+  if (!cJSON_IsNumber(n) && !cJSON_IsNull(n)) return record_damaged(s, name);
   *value = cJSON_IsNull(n) ? NAN : n->valuedouble;
   return GH_OK;
 }
@@ -149,7 +149,7 @@ static gh_status get_number(const gh_study *s, const cJSON *root, const char *na
 static gh_status get_text(const gh_study *s, const cJSON *root, const char *name, const char **text) {
   const cJSON *n = cJSON_GetObjectItemCaseSensitive(root, name);
   *text = cJSON_GetStringValue(n);
-  return *text ? GH_OK : damaged(s, name);
+  return *text ? GH_OK : record_damaged(s, name);
 }
 
 static gh_status get_status(const gh_study *s, const cJSON *root, study_run *run) {
@@ -167,7 +167,7 @@ static gh_status get_status(const gh_study *s, const cJSON *root, study_run *run
       snprintf(run->message, sizeof run->message, "%s", text);
       return GH_OK;
     }
-  return damaged(s, "outcome");
+  return record_damaged(s, "outcome");
 }
 
 static gh_status get_counts(const gh_study *s, const cJSON *root, study_run *run) {
@@ -176,7 +176,7 @@ static gh_status get_counts(const gh_study *s, const cJSON *root, study_run *run
   for (int k = 0; k < COUNTS; k++) {
     double value = NAN;
     GH_TRY(get_number(s, root, count_names[k], &value));
-    if (!(fabs(value) < 9e15)) return damaged(s, count_names[k]);
+    if (!(fabs(value) < 9e15)) return record_damaged(s, count_names[k]);
     *count[k] = (long)value;
   }
   return GH_OK;
@@ -184,10 +184,10 @@ static gh_status get_counts(const gh_study *s, const cJSON *root, study_run *run
 
 static gh_status check_columns(const gh_study *s, const cJSON *root) {
   const cJSON *list = cJSON_GetObjectItemCaseSensitive(root, "columns");
-  if (cJSON_GetArraySize(list) != s->ncolumns + 1) return damaged(s, "columns");
+  if (cJSON_GetArraySize(list) != s->ncolumns + 1) return record_damaged(s, "columns");
   for (int k = 0; k < s->ncolumns; k++) {
     const char *name = cJSON_GetStringValue(cJSON_GetArrayItem(list, k + 1));
-    if (!name || strcmp(name, s->column[k]) != 0) return damaged(s, "columns");
+    if (!name || strcmp(name, s->column[k]) != 0) return record_damaged(s, "columns");
   }
   return GH_OK;
 }
@@ -197,14 +197,14 @@ static gh_status get_curve(const gh_study *s, const cJSON *root, study_curve *c)
   size_t capacity = 0;
   double *value;
   gh_status status = GH_OK;
-  if (!cJSON_IsArray(rows)) return damaged(s, "curve");
+  if (!cJSON_IsArray(rows)) return record_damaged(s, "curve");
   GH_TRY(check_columns(s, root));
   GH_TRY(gh_alloc(s->ctx, (size_t)s->ncolumns + 1, sizeof *value, &value));
   cJSON_ArrayForEach(row, rows) {
     int k = 0;
     cJSON_ArrayForEach(cell, row) if (k++ <= s->ncolumns) value[k - 1] =
         cJSON_IsNumber(cell) ? cell->valuedouble : NAN;
-    status = k == s->ncolumns + 1 && isfinite(value[0]) ? GH_OK : damaged(s, "curve");
+    status = k == s->ncolumns + 1 && isfinite(value[0]) ? GH_OK : record_damaged(s, "curve");
     if (status == GH_OK) status = study_curve_add(s->ctx, c, &capacity, s->ncolumns, value[0], value + 1);
     if (status != GH_OK) break;
   }
@@ -215,7 +215,7 @@ static gh_status get_curve(const gh_study *s, const cJSON *root, study_curve *c)
 static gh_status get_run(const gh_study *s, const cJSON *root, study_run *run) {
   const char *id;
   GH_TRY(get_text(s, root, "id", &id));
-  if (strcmp(id, run->id) != 0) return damaged(s, "it belongs to another run");
+  if (strcmp(id, run->id) != 0) return record_damaged(s, "it belongs to another run");
   const char *build = cJSON_GetStringValue(cJSON_GetObjectItemCaseSensitive(root, "build"));
   run->other_build = !build || strcmp(build, gh_build()) != 0;
   GH_TRY(get_status(s, root, run));

@@ -5,14 +5,14 @@
 #include <stdlib.h>
 #include <string.h>
 
-static gh_status place(const gh_study *s) {
+static gh_status reference_locate(const gh_study *s) {
   return gh_prefix(s->ctx, GH_INPUT, "%s:%d: reference: ", s->path, s->reference_line);
 }
 
 /* ---- a file ---- */
 
 /* Needed are the columns of the quantities that are compared. */
-static bool needed(const gh_study *s, int column) {
+static bool column_needed(const gh_study *s, int column) {
   for (int k = 0; k < s->nquantities; k++)
     if (column >= s->quantities[k].first && column < s->quantities[k].first + s->quantities[k].count)
       return true;
@@ -24,7 +24,7 @@ static gh_status find_columns(gh_study *s, const gh_csv *csv, int *column, int *
   if (*t < 0) return gh_fail(s->ctx, GH_INPUT, "%s:1: no column t", s->reference_file);
   for (int c = 0; c < s->ncolumns; c++) {
     column[c] = gh_csv_find(csv, s->column[c]);
-    if (column[c] < 0 && needed(s, c))
+    if (column[c] < 0 && column_needed(s, c))
       return gh_fail(s->ctx, GH_INPUT,
                      "%s:1: no column %s, which a quantity needs (`quantities` can leave it out)",
                      s->reference_file, s->column[c]);
@@ -74,7 +74,7 @@ static gh_status check_parameters(const gh_study *s) {
   return GH_OK;
 }
 
-static bool same(double a, double b) {
+static bool nearly_equal(double a, double b) {
   return fabs(a - b) <= 1e-9 * fabs(b);
 }
 
@@ -88,7 +88,8 @@ static gh_status check_lattice(const gh_study *s, const study_problem *p, int co
   if (status != GH_OK) return gh_prefix(s->ctx, status, "%s: ", file);
   if (common->spacing == 0) *common = l;
   const double turn = fabs(remainder(l.angle - common->angle, third));
-  if (same(l.radius, common->radius) && same(l.spacing, common->spacing) && turn < 1e-6) return GH_OK;
+  if (nearly_equal(l.radius, common->radius) && nearly_equal(l.spacing, common->spacing) && turn < 1e-6)
+    return GH_OK;
   return gh_fail(
       s->ctx, GH_INPUT,
       "%s: its lattice is another one than that of the packings before, and the closed form is one "
@@ -152,5 +153,5 @@ gh_status study_reference(gh_study *s) {
   gh_status status = GH_OK;
   if (s->reference == STUDY_FILE) status = take_file(s);
   if (s->reference == STUDY_CLOSED_FORM) status = take_closed_form(s);
-  return status == GH_INPUT ? place(s) : status;
+  return status == GH_INPUT ? reference_locate(s) : status;
 }

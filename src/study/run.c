@@ -42,14 +42,14 @@ static study_run *run_at(const gh_study *s, place p) {
 
 static const char warned_words[] = "beyond known limits: ";
 
-static void hear(void *data, const char *note) {
+static void job_hear(void *data, const char *note) {
   job *j = data;
   const gh_level level = strstr(note, warned_words) ? GH_LEVEL_WARNING : GH_LEVEL_INFO;
   gh_log(j->s->ctx, level, "%d of %d: %s", ++j->told, j->count, note);
   gh_work_advance(j->s->ctx, &j->progress, j->told);
 }
 
-static void tell(job *j, place p) {
+static void job_tell(job *j, place p) {
   char note[STUDY_NOTE], name[256];
   const study_run *run = run_at(j->s, p);
   study_run_name(j->s, p.config, p.member, name, sizeof name);
@@ -57,18 +57,18 @@ static void tell(job *j, place p) {
   if (run->status == GH_OK)
     snprintf(note, sizeof note - 1, "%s: done, %.3g s%s%s%s", name, run->wall, comma, words, run->warning);
   else snprintf(note, sizeof note - 1, "%s: failed after %.3g s: %s", name, run->wall, run->message);
-  if (study_team_rank(j->team) == 0) hear(j, note);
+  if (study_team_rank(j->team) == 0) job_hear(j, note);
   else study_team_tell(j->team, note);
 }
 
 /* Called within runs. */
-static bool stopped(void *data) {
+static bool job_stopped(void *data) {
   enum { EVERY = 100 }; /* ms */
   job *j = data;
   double now = gh_seconds();
   if (now - j->listened > 1e-3 * EVERY) {
     j->listened = now;
-    study_team_listen(j->team, hear, j);
+    study_team_listen(j->team, job_hear, j);
   }
   return study_team_stopped(j->team);
 }
@@ -86,15 +86,15 @@ static double core_seconds(void) {
          1e-6 * (double)(children.ru_utime.tv_usec + children.ru_stime.tv_usec);
 }
 
-static void clear(study_run *run) {
+static void run_clear(study_run *run) {
   study_run empty = {.packing = run->packing, .residual = NAN, .energy_defect = NAN};
   memcpy(empty.id, run->id, sizeof empty.id);
   study_curve_free(&run->curve);
   *run = empty;
 }
 
-static void measure(job *j, study_problem *p, study_run *run) {
-  const study_stop stop = {.asked = stopped, .data = j};
+static void run_measure(job *j, study_problem *p, study_run *run) {
+  const study_stop stop = {.asked = job_stopped, .data = j};
   double begin = gh_seconds(), core = core_seconds();
   run->status = p->scene ? study_scene_run(p, &stop, run) : study_follow(p, &stop, run);
   run->wall = gh_seconds() - begin;
@@ -110,7 +110,7 @@ static void warning_note(void *data, gh_level level, const char *line) {
 }
 
 /* In a context of its own, so that nothing but its end and a warning of limits is logged. */
-static gh_status compute(job *j, place at, study_run *run) {
+static gh_status run_compute(job *j, place at, study_run *run) {
   gh_context *quiet;
   study_problem p;
   if (gh_context_create(&quiet) != GH_OK) return gh_fail(j->s->ctx, GH_MEMORY, "no memory for a run");
@@ -121,7 +121,7 @@ static gh_status compute(job *j, place at, study_run *run) {
   } else if (strcmp(p.id, run->id) != 0) {
     status = gh_fail(j->s->ctx, GH_SYSTEM, "files of this run have changed since the study began");
   } else {
-    measure(j, &p, run);
+    run_measure(j, &p, run);
   }
   study_problem_close(&p);
   gh_context_destroy(&quiet);
@@ -133,7 +133,7 @@ static bool is_kept(const study_run *run) {
   return run->status != GH_SYSTEM && run->status != GH_MEMORY;
 }
 
-static gh_status keep(job *j, place at) {
+static gh_status run_keep(job *j, place at) {
   const study_run *run = run_at(j->s, at);
   gh_text *record;
   char *path = NULL;
@@ -154,21 +154,21 @@ static gh_status keep(job *j, place at) {
 static gh_status do_run(job *j, place at) {
   char name[256];
   study_run *run = run_at(j->s, at);
-  clear(run);
+  run_clear(run);
   study_run_name(j->s, at.config, at.member, name, sizeof name);
-  gh_status status = compute(j, at, run);
+  gh_status status = run_compute(j, at, run);
   if (status == GH_OK && !run->finished) return gh_fail(j->s->ctx, GH_STOPPED, "stopped on request");
-  if (status == GH_OK) status = keep(j, at);
+  if (status == GH_OK) status = run_keep(j, at);
   if (status != GH_OK) return gh_prefix(j->s->ctx, status, "%s: ", name);
-  tell(j, at);
+  job_tell(j, at);
   return GH_OK;
 }
 
 /* Runs as long as there are some; a failure of the system ends it on all ranks. */
-static gh_status work(job *j) {
+static gh_status job_work(job *j) {
   gh_status status = GH_OK;
   while (status == GH_OK) {
-    if (stopped(j)) return gh_fail(j->s->ctx, GH_STOPPED, "stopped on request");
+    if (job_stopped(j)) return gh_fail(j->s->ctx, GH_STOPPED, "stopped on request");
     long next = study_team_next(j->team);
     if (next >= j->count) return GH_OK;
     status = do_run(j, j->todo[next]);
@@ -180,7 +180,7 @@ static gh_status work(job *j) {
 /* ---- what others have done ---- */
 
 /* "STATUS MESSAGE\n", then "CONFIGURATION MEMBER LENGTH\n" and a record for each run. */
-static gh_status take(void *data, const char *text) {
+static gh_status job_take(void *data, const char *text) {
   job *j = data;
   gh_study *s = j->s;
   gh_status first = GH_OK;
@@ -209,7 +209,7 @@ static gh_status take(void *data, const char *text) {
 }
 
 /* Rank 0 has all runs afterwards, and fails as the first rank that did. */
-static gh_status collect(job *j, gh_status status) {
+static gh_status job_collect(job *j, gh_status status) {
   char message[2048] = "", failure[2100];
   gh_text *all = NULL;
   if (status != GH_OK) snprintf(message, sizeof message, "%s", gh_message(j->s->ctx));
@@ -222,7 +222,8 @@ static gh_status collect(job *j, gh_status status) {
     told = gh_text_check(all);
   }
   snprintf(failure, sizeof failure, "%d %s\n", (int)told, gh_message(j->s->ctx)); /* rank 0 waits for it */
-  given = study_team_gather(j->team, told == GH_OK ? gh_text_get(all, NULL) : failure, take, j, hear, j);
+  given =
+      study_team_gather(j->team, told == GH_OK ? gh_text_get(all, NULL) : failure, job_take, j, job_hear, j);
   if (given == GH_OK) given = told;
   gh_text_destroy(&all);
   if (status != GH_OK && status != GH_STOPPED) return gh_fail(j->s->ctx, status, "%s", message);
@@ -236,7 +237,7 @@ static bool is_first(const job *j, int k) {
 }
 
 /* Configurations may come to the same: one of them has run, and it is the first of those with its id. */
-static gh_status copy_twins(job *j) {
+static gh_status job_copy_twins(job *j) {
   gh_study *s = j->s;
   gh_text *text;
   for (int k = 1; k < j->total; k++) {
@@ -261,13 +262,13 @@ typedef struct entry {
   place at;
 } entry;
 
-static int by_id(const void *a, const void *b) {
+static int entries_by_id(const void *a, const void *b) {
   const entry *x = a, *y = b;
   int order = strcmp(x->id, y->id);
   return order ? order : x->number - y->number;
 }
 
-static gh_status list_runs(job *j) {
+static gh_status job_list_runs(job *j) {
   gh_study *s = j->s;
   entry *list;
   for (int k = 0; k < s->nconfigs; k++) j->total += s->configs[k].nruns;
@@ -277,14 +278,14 @@ static gh_status list_runs(job *j) {
   for (int k = 0, n = 0; k < s->nconfigs; k++)
     for (int m = 0; m < s->configs[k].nruns; m++, n++)
       list[n] = (entry){.id = s->configs[k].runs[m].id, .number = n, .at = {k, m}};
-  if (j->total > 0) qsort(list, (size_t)j->total, sizeof *list, by_id);
+  if (j->total > 0) qsort(list, (size_t)j->total, sizeof *list, entries_by_id);
   for (int k = 0; k < j->total; k++) j->all[k] = list[k].at;
   free(list);
   return GH_OK;
 }
 
 /* All ranks have read the same study: they refer to runs by numbers. */
-static gh_status agree_on_runs(job *j) {
+static gh_status job_agree(job *j) {
   uint64_t sum = study_hash(study_hash_begin, &j->total, sizeof j->total);
   for (int k = 0; k < j->total; k++) {
     const char *id = run_at(j->s, j->all[k])->id;
@@ -297,7 +298,7 @@ static gh_status agree_on_runs(job *j) {
 }
 
 /* The folder for records, which can be written. */
-static gh_status make_folder(const job *j) {
+static gh_status job_make_folder(const job *j) {
   gh_context *ctx = j->s->ctx;
   static const char *const files[] = {"study.csv", "study.md", "curves.csv"};
   for (size_t k = 0; k < sizeof files / sizeof *files; k++)
@@ -311,7 +312,7 @@ static gh_status make_folder(const job *j) {
 }
 
 /* An old record would be taken for a new one where a fresh study is stopped and continued. */
-static gh_status forget(const job *j, const study_run *run) {
+static gh_status record_forget(const job *j, const study_run *run) {
   char *path;
   GH_TRY(study_record_path(j->s, j->folder, run->id, &path));
   gh_status status = unlink(path) == 0 || errno == ENOENT
@@ -322,17 +323,17 @@ static gh_status forget(const job *j, const study_run *run) {
 }
 
 /* Rank 0: folders, and which runs have no record (flags by `all`). */
-static gh_status prepare(job *j, unsigned char *flags) {
+static gh_status job_prepare(job *j, unsigned char *flags) {
   gh_study *s = j->s;
   int others = 0;
   GH_TRY(gh_results_folder_check(s->ctx, j->folder));
   GH_TRY(gh_lock_create(s->ctx, j->folder, &j->lock));
-  GH_TRY(make_folder(j));
+  GH_TRY(job_make_folder(j));
   for (int k = 0; k < j->total; k++) {
     study_run *run = run_at(s, j->all[k]);
     run->finished = false;
     if (!is_first(j, k)) continue;
-    if (j->fresh) GH_TRY(forget(j, run));
+    if (j->fresh) GH_TRY(record_forget(j, run));
     flags[k] = !study_record_find(s, j->folder, run);
     others += run->finished && run->other_build;
   }
@@ -344,26 +345,26 @@ static gh_status prepare(job *j, unsigned char *flags) {
   return GH_OK;
 }
 
-static int by_place(const void *a, const void *b) {
+static int places_by_config(const void *a, const void *b) {
   const place *x = a, *y = b;
   return x->config != y->config ? x->config - y->config : x->member - y->member;
 }
 
 /* What is to be done, in the order of the file. On all ranks or on none. */
-static gh_status plan(job *j) {
+static gh_status job_plan(job *j) {
   unsigned char *flags = NULL;
   gh_status status = gh_text_create(j->s->ctx, &j->given);
-  if (status == GH_OK) status = list_runs(j);
+  if (status == GH_OK) status = job_list_runs(j);
   if (status == GH_OK) status = gh_alloc(j->s->ctx, (size_t)j->total, sizeof *flags, &flags);
   status = study_team_worst(j->team, status);
-  if (status == GH_OK) status = agree_on_runs(j);
-  if (status == GH_OK && flags && study_team_rank(j->team) == 0) status = prepare(j, flags);
+  if (status == GH_OK) status = job_agree(j);
+  if (status == GH_OK && flags && study_team_rank(j->team) == 0) status = job_prepare(j, flags);
   status = study_team_worst(j->team, status);
   if (status == GH_OK && flags) {
     study_team_share(j->team, flags, j->total);
     for (int k = 0; k < j->total; k++)
       if (flags[k]) j->todo[j->count++] = j->all[k];
-    if (j->count > 0) qsort(j->todo, (size_t)j->count, sizeof *j->todo, by_place);
+    if (j->count > 0) qsort(j->todo, (size_t)j->count, sizeof *j->todo, places_by_config);
   }
   free(flags);
   return status;
@@ -387,7 +388,7 @@ static gh_status write_text(gh_study *s, const char *folder, const char *name,
 }
 
 /* What an earlier study of this folder has left: its pictures may be none of this one's. */
-static gh_status clear_old(const job *j) {
+static gh_status job_clear_old(const job *j) {
   static const char *const names[] = {"study.csv", "curves.csv",         "study.md",
                                       "order.png", "work-precision.png", "work-precision-count.png",
                                       "curves.png"};
@@ -426,13 +427,13 @@ static gh_status look_for_refused(gh_study *s) {
                  refused, runs, name, run->message);
 }
 
-static gh_status conclude(job *j) {
+static gh_status job_conclude(job *j) {
   gh_study *s = j->s;
   const char *folder = j->folder;
-  GH_TRY(copy_twins(j));
+  GH_TRY(job_copy_twins(j));
   study_verdict_destroy(s);
   GH_TRY(study_judge(s));
-  GH_TRY(clear_old(j));
+  GH_TRY(job_clear_old(j));
   GH_TRY(write_text(s, folder, "study.csv", study_write_csv));
   GH_TRY(write_text(s, folder, "curves.csv", study_write_curves));
   GH_TRY(write_text(s, folder, "study.md", study_write_markdown));
@@ -443,7 +444,7 @@ static gh_status conclude(job *j) {
   return look_for_refused(s);
 }
 
-static gh_status tell_stop(job *j) {
+static gh_status job_tell_stop(job *j) {
   int finished = 0;
   bool done = false;
   for (int k = 0; k < j->total; k++) {
@@ -458,18 +459,18 @@ static gh_status tell_stop(job *j) {
 }
 
 /* All ranks go through the same steps, whatever becomes of them. */
-static gh_status run_all(job *j) {
-  GH_TRY(plan(j));
+static gh_status job_run(job *j) {
+  GH_TRY(job_plan(j));
   const bool first = study_team_rank(j->team) == 0;
   const int had = j->total - j->count;
   if (first && had > 0)
     gh_log(j->s->ctx, GH_LEVEL_INFO, "%d of %d runs have a record, or come to the same as another one", had,
            j->total);
   if (first && j->count > 0) gh_work_begin(j->s->ctx, &j->progress, "study", "runs", j->count);
-  gh_status status = collect(j, work(j));
+  gh_status status = job_collect(j, job_work(j));
   if (first && j->count > 0) gh_work_end(j->s->ctx, &j->progress, j->told);
-  if (first && status == GH_OK) status = conclude(j);
-  if (first && status == GH_STOPPED) tell_stop(j);
+  if (first && status == GH_OK) status = job_conclude(j);
+  if (first && status == GH_STOPPED) job_tell_stop(j);
   return (gh_status)study_team_agree(j->team, (int)status);
 }
 
@@ -478,7 +479,7 @@ gh_status gh_study_run(gh_study *s, const char *folder, const gh_study_options *
   const study_stop stop = {.asked = o->stop, .data = o->stop_data};
   job j = {.s = s, .folder = folder, .fresh = o->fresh};
   GH_TRY(study_team_create(s->ctx, o->comm, &stop, &j.team));
-  gh_status status = run_all(&j);
+  gh_status status = job_run(&j);
   gh_text_destroy(&j.given);
   free(j.all);
   free(j.todo);

@@ -7,26 +7,27 @@ enum { NAME = 512, FEW_REFERENCES = 6, ANY = -2 };
 
 /* ---- which configuration ---- */
 
-static bool competes(const gh_study *s, int k, int reference) {
+static bool config_competes(const gh_study *s, int k, int reference) {
   return study_is_rated(s, k) && (reference == ANY || s->configs[k].reference == reference);
 }
 
 /* The cheapest in core seconds whose error is at most the goal, of two the more accurate; -1: none. Of those
  * with this reference, or ANY. */
-static int cheapest(const gh_study *s, int reference, double goal) {
+static int config_cheapest(const gh_study *s, int reference, double goal) {
   int best = -1;
   for (int k = 0; k < s->nconfigs; k++) {
-    if (!competes(s, k, reference) || study_error_of(s, k) > goal) continue;
+    if (!config_competes(s, k, reference) || study_error_of(s, k) > goal) continue;
     double core = s->verdict->row[k].core, least = best < 0 ? INFINITY : s->verdict->row[best].core;
     if (core < least || (core == least && study_error_of(s, k) < study_error_of(s, best))) best = k;
   }
   return best;
 }
 
-static int nearest(const gh_study *s, int reference) {
+static int config_nearest(const gh_study *s, int reference) {
   int best = -1;
   for (int k = 0; k < s->nconfigs; k++)
-    if (competes(s, k, reference) && (best < 0 || study_error_of(s, k) < study_error_of(s, best))) best = k;
+    if (config_competes(s, k, reference) && (best < 0 || study_error_of(s, k) < study_error_of(s, best)))
+      best = k;
   return best;
 }
 
@@ -83,12 +84,12 @@ static void print_unreached(const gh_study *s, int reference, int first, study_s
                                       : " or",
                   study_goal_word(s->goals[k]).text);
   gh_text_print(out, " of the %s; the nearest is ", s->quantities[s->main].name);
-  print_choice(s, nearest(s, reference), 0, style, out);
+  print_choice(s, config_nearest(s, reference), 0, style, out);
 }
 
 static void print_goals(const gh_study *s, int reference, study_style style, const char *lead, gh_text *out) {
   for (int k = 0; k < s->ngoals; k++) {
-    int best = cheapest(s, reference, s->goals[k]);
+    int best = config_cheapest(s, reference, s->goals[k]);
     gh_text_print(out, "%s", lead);
     if (best < 0) {
       print_unreached(s, reference, k, style, out);
@@ -102,7 +103,7 @@ static void print_goals(const gh_study *s, int reference, study_style style, con
 /* Configurations with references of their own answer different questions: each gets its sentences, as long as
  * these are few. */
 void study_print_sentences(const gh_study *s, study_style style, const char *lead, gh_text *out) {
-  if (nearest(s, ANY) < 0) {
+  if (config_nearest(s, ANY) < 0) {
     const char *why = NULL;
     for (int k = 0; k < s->nconfigs && !why; k++) why = s->verdict->row[k].why;
     gh_text_print(out, "%sNo configuration could be compared with the reference%s%s.\n", lead,

@@ -3,7 +3,7 @@
 
 /* Probability of |t| < sqrt(n) tan(angle) with n degrees of freedom: the finite sums of Abramowitz and
  * Stegun, 26.7.3 and 26.7.4. */
-static double within(int n, double angle) {
+static double student_within(int n, double angle) {
   double c = cos(angle), s = sin(angle), term = n % 2 ? c : 1, sum = n == 1 ? 0 : term;
   for (int k = n % 2 ? 3 : 2; k < n; k += 2) {
     term *= c * c * (k - 1) / k;
@@ -17,7 +17,7 @@ double study_student(int freedom) {
   double low = 0, high = 1.57079632679489661923;
   for (int k = 0; k < 100; k++) {
     double middle = 0.5 * (low + high);
-    if (within(freedom, middle) < 0.95) low = middle;
+    if (student_within(freedom, middle) < 0.95) low = middle;
     else high = middle;
   }
   return sqrt(freedom) * tan(0.5 * (low + high));

@@ -82,7 +82,7 @@ const gh_term_list *gh_study_columns(void) {
   return all;
 }
 
-static const char *outcome(const gh_study *s, int k) {
+static const char *config_outcome(const gh_study *s, int k) {
   const study_config *g = s->configs + k;
   int finished = 0, members = s->verdict->row[k].members;
   for (int m = 0; m < g->nruns; m++) finished += g->runs[m].finished;
@@ -108,7 +108,7 @@ void study_write_csv(const gh_study *s, gh_text *out) {
     print_config(s, k, out);
     gh_text_print(out, ",");
     print_field(out, s->configs[k].also ? s->configs[k].also : "");
-    gh_text_print(out, ",%d,%s,%d,%d,%d", s->configs[k].reference, outcome(s, k), s->configs[k].nruns,
+    gh_text_print(out, ",%d,%s,%d,%d,%d", s->configs[k].reference, config_outcome(s, k), s->configs[k].nruns,
                   r->members, r->points);
     for (int q = 0; q < s->nquantities; q++)
       gh_text_print(out, ",%.17g,%.17g,%.17g,%.17g,%.17g", r->l2[q], r->largest[q], r->single[q],

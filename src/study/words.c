@@ -9,7 +9,7 @@
 /* ---- numbers ---- */
 
 /* "3.10e-03" becomes "3.10e-3", "1.20e+06" "1.20e6", "123." "123". */
-static void tidy(char *text) {
+static void number_tidy(char *text) {
   char *e = strchr(text, 'e'), *end;
   if (e) {
     long exponent = strtol(e + 1, &end, 10);
@@ -19,34 +19,34 @@ static void tidy(char *text) {
   if (n > 0 && text[n - 1] == '.') text[n - 1] = 0;
 }
 
-static study_word word(const char *format, double value) {
+static study_word number_word(const char *format, double value) {
   study_word w = {"-"};
   if (isnan(value)) return w;
   gh_c_locale l = gh_c_locale_begin();
   snprintf(w.text, sizeof w.text, format, value);
   gh_c_locale_end(l);
-  tidy(w.text);
+  number_tidy(w.text);
   return w;
 }
 
 study_word study_error_word(double error) {
-  return word(error == 0 ? "%.0f" : error < 0.1 || error >= 1000 ? "%.2e" : "%#.3g", error);
+  return number_word(error == 0 ? "%.0f" : error < 0.1 || error >= 1000 ? "%.2e" : "%#.3g", error);
 }
 
 study_word study_seconds_word(double seconds) {
-  return word(seconds >= 1000 ? "%.0f" : seconds == 0 ? "%.0f" : "%#.3g", seconds);
+  return number_word(seconds >= 1000 ? "%.0f" : seconds == 0 ? "%.0f" : "%#.3g", seconds);
 }
 
 study_word study_count_word(double count) {
-  return word(count < 1e4 ? "%.4g" : "%.2e", count);
+  return number_word(count < 1e4 ? "%.4g" : "%.2e", count);
 }
 
 study_word study_order_word(double order) {
-  return word("%.2f", order);
+  return number_word("%.2f", order);
 }
 
 study_word study_goal_word(double goal) {
-  return goal > 0.99e-4 ? word("%g %%", 100 * goal) : word("%g", goal);
+  return goal > 0.99e-4 ? number_word("%g %%", 100 * goal) : number_word("%g", goal);
 }
 
 /* ---- names ---- */
@@ -94,7 +94,8 @@ void study_print_plain(gh_text *out, study_style style, const char *value) {
 
 /* ---- names of configurations ---- */
 
-__attribute__((format(printf, 3, 4))) static void append(char *text, size_t size, const char *format, ...) {
+__attribute__((format(printf, 3, 4))) static void name_append(char *text, size_t size, const char *format,
+                                                              ...) {
   size_t n = strlen(text);
   va_list args;
   va_start(args, format);
@@ -102,7 +103,7 @@ __attribute__((format(printf, 3, 4))) static void append(char *text, size_t size
   va_end(args);
 }
 
-static bool varied(const gh_study *s, int parameter) {
+static bool parameter_varied(const gh_study *s, int parameter) {
   for (int k = 0; k < s->nparameters; k++)
     if (s->parameters[k].nvalues > 1) return s->parameters[parameter].nvalues > 1;
   return true; /* a study of one configuration names all its parameters */
@@ -110,7 +111,7 @@ static bool varied(const gh_study *s, int parameter) {
 
 int study_varied_parameter(const gh_study *s, int i) {
   for (int k = 0; k < s->nparameters; k++)
-    if (varied(s, k) && i-- == 0) return k;
+    if (parameter_varied(s, k) && i-- == 0) return k;
   return -1;
 }
 
@@ -119,10 +120,10 @@ void study_name(const gh_study *s, int config, int except, char *text, size_t si
   char value[STUDY_CELL];
   *text = 0;
   for (int k = 0; k < s->nparameters; k++)
-    if (k != except && (varied(s, k) || g->choice[k] < 0))
-      append(text, size, "%s%s %s", *text ? ", " : "", s->parameters[k].name,
-             study_plain(g->value[k], value, sizeof value));
-  if (g->also && *g->also) append(text, size, "%s%s", *text ? ", " : "", g->also);
+    if (k != except && (parameter_varied(s, k) || g->choice[k] < 0))
+      name_append(text, size, "%s%s %s", *text ? ", " : "", s->parameters[k].name,
+                  study_plain(g->value[k], value, sizeof value));
+  if (g->also && *g->also) name_append(text, size, "%s%s", *text ? ", " : "", g->also);
 }
 
 void study_short_value(const gh_study *s, int config, int parameter, char *text, size_t size) {
@@ -150,11 +151,12 @@ void study_legend(const gh_study *s, int config, int except, char *text, size_t 
   char value[128];
   *text = 0;
   for (int k = 0; k < s->nparameters; k++) {
-    if (k == except || !varied(s, k)) continue;
+    if (k == except || !parameter_varied(s, k)) continue;
     study_short_value(s, config, k, value, sizeof value);
     /* words speak for themselves; numbers and yes or no need their name */
     bool bare = s->parameters[k].nvalues > 0 && isnan(s->parameters[k].number[0]) &&
                 strcmp(value, "true") != 0 && strcmp(value, "false") != 0 && *value != '[';
-    append(text, size, "%s%s%s%s", *text ? ", " : "", bare ? "" : short_name(s, k), bare ? "" : " ", value);
+    name_append(text, size, "%s%s%s%s", *text ? ", " : "", bare ? "" : short_name(s, k), bare ? "" : " ",
+                value);
   }
 }

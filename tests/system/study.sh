@@ -56,7 +56,7 @@ if command -v gnuplot >/dev/null; then [ -s rve1/work-precision.png ]; say $? 'a
 "$granhom" study rve.yaml -o rve1 >again 2>err; say $? 'again'
 ! grep -q 'of 16: ' err && cmp -s said again; say $? 'finished runs are not repeated, and the words are the same'
 if [ -c /dev/full ]; then
-  "$granhom" study rve.yaml -o rve1 2>err >/dev/full; [ $? = 1 ] && [ "$(grep -c '^granhom: standard output cannot be written' err)" = 1 ]; say $? 'a screen that is full is told'
+  "$granhom" study rve.yaml -o rve1 2>err >/dev/full; [ $? = 1 ] && [ "$(grep -c '^granhom: standard output cannot be written' err)" = 1 ]; say $? 'a screen that is full is reported'
 fi
 "$granhom" study rve.yaml -o quick --quick >said 2>err; say $? '--quick runs'
 [ "$(grep -c 'of 2: ' err)" = 2 ] && [ "$(grep -c . quick/study.csv)" = 3 ]; say $? 'and has its own configurations'
@@ -78,7 +78,7 @@ assert len(record["curve"]) == len(run) == 7
 for row, ours in zip(run, record["curve"]):
     for name, column in (("time", "t"), ("top_x", "force_x"), ("top_y", "force_y"), ("dilatancy", "dilatancy")):
         assert float(row[name]) == ours[columns.index(column)], (name, row[name], ours)
-# u = (X, 0) is a virtual displacement of the first step: the following pressure on the right edge is the mean of P11 but for the
+# u = (X, 0) is a virtual displacement of the first step: the follower load on the right edge is the mean of P11 but for the
 # turn and stretch of that edge
 assert abs(record["curve"][2][1] + 0.32) < 0.01, record["curve"][2]
 last = json.load(open("run/run.json"))
@@ -104,18 +104,18 @@ sed 's/tolerance: \[1e-1/tolerance: [3/' rve.yaml >w.yaml; wrong w.yaml 'w.yaml:
 mkdir busy && : >busy/runs; "$granhom" study rve.yaml -o busy >said 2>err; [ $? = 2 ] && [ "$(find busy | wc -l)" = 2 ]; say $? 'refused: a file in the place of the records'
 (ulimit -f 2; trap '' XFSZ; "$granhom" study rve.yaml -o tight --quiet 2>&1; echo "exit $?") | cat >err
 grep -q '^exit 1$' err && [ "$(grep -c '^granhom: .*cannot write' err)" = 1 ] && [ -z "$(find tight -name '*.tmp')" ]; say $? 'a disk that is full: exit 1, one message, nothing half written'
-"$granhom" study rve.yaml -o tight --quiet 2>err && [ "$(records tight)" = 16 ]; say $? 'and the study goes on when there is room'
+"$granhom" study rve.yaml -o tight --quiet 2>err && [ "$(records tight)" = 16 ]; say $? 'and the study continues when there is room'
 sed 's/400000, 2\]/1, 2]/; s/\[taylor-cell, periodic\]/[periodic]/' rve.yaml >none.yaml
 "$granhom" study none.yaml -o none >said 2>err
 [ $? = 1 ] && grep -q '^granhom: no configuration has a result; the first one, micro.tolerance 1e-1' err; say $? 'exit 1 when no configuration has a result'
-[ -s none/study.md ]; say $? 'and the table tells why'
+[ -s none/study.md ]; say $? 'and the table states why'
 
 sed 's/^reference.*/reference: {set: {micro.max_steps: 2}}/; /400000/d' rve.yaml >lame.yaml
 "$granhom" study lame.yaml -o lame >said 2>err; say $? 'a study whose references fail is done'
 grep -q '^reference micro.tolerance 1e-6, micro.boundary periodic, micro.max_steps: 2: t = 1: no equilibrium' said
-say $? 'and tells why the references have failed'
+say $? 'and states why the references have failed'
 
-# --- a run that the system refuses is no result: the other rows are there, and the status tells ---
+# --- a run that the system refuses is no result: the other rows are there, and the status shows it ---
 sed '/^vary:/,/^quick:/d' rve.yaml >refused.yaml
 printf 'vary: {micro.engine: [native, liggghts]}\nreference: {set: {micro.tolerance: 1e-11, micro.engine: native}}\n' >>refused.yaml
 PATH=/nowhere "$granhom" study refused.yaml -o refused --quiet >said 2>err
@@ -141,7 +141,7 @@ job=$!
 until_records $((kept + 1)) long
 kill -9 $job; wait $job 2>/dev/null
 kept=$(records long) left=$((16 - $(records long)))
-"$granhom" study long.yaml -o long >said 2>err; say $? "after kill -9 the study goes on with $kept records"
+"$granhom" study long.yaml -o long >said 2>err; say $? "after kill -9 the study continues with $kept records"
 [ "$kept" -lt 16 ] && [ "$(grep -c "of $left: micro" err)" = $left ]; say $? 'and repeats only what is missing'
 sed -i 's/"wall_seconds": /&1/' "$(find long/runs -name '*.json' | sort | head -n 1)"
 "$granhom" study long.yaml -o long >said 2>err && [ "$(grep -c 'of 1: ' err)" = 1 ]; say $? 'a damaged record is repeated'
@@ -179,11 +179,11 @@ cat >each.sh <<'S'
 echo $? >code.$OMPI_COMM_WORLD_RANK
 S
 timeout 60 mpirun -n 3 sh each.sh "$granhom" study w.yaml -o wrong >said 2>err
-[ "$(cat code.0 code.1 code.2 | tr '\n' ' ')" = '2 2 2 ' ] && [ "$(grep -c '^granhom' err)" = 1 ] && [ ! -e wrong ]; say $? 'wrong input on three ranks: exit 2 on all, told once'
+[ "$(cat code.0 code.1 code.2 | tr '\n' ' ')" = '2 2 2 ' ] && [ "$(grep -c '^granhom' err)" = 1 ] && [ ! -e wrong ]; say $? 'wrong input on three ranks: exit 2 on all, reported once'
 mkdir one two && for d in one two; do sed "s|packing: .*|packing: 'p*.data'|" rve.yaml >$d/s.yaml; cp "$packings/p50.data" $d; done; cp "$packings/p20.data" two
 timeout 60 mpirun -n 1 -wdir "$work/one" sh "$work/each.sh" "$granhom" study s.yaml -o o : -n 1 -wdir "$work/two" sh "$work/each.sh" "$granhom" study s.yaml -o o >said 2>err
 [ "$(cat one/code.0 two/code.1 | tr '\n' ' ')" = '2 2 ' ] && [ "$(grep -c '^granhom: the ranks have read different studies' err)" = 1 ] && [ ! -e one/o ]
-say $? 'ranks that see different files: exit 2 on all, told once'
+say $? 'ranks that see different files: exit 2 on all, reported once'
 timeout 60 mpirun -n 4 "$granhom" study rve.yaml -o few --quick --quiet >said 2>err && [ "$(records few)" = 2 ]; say $? 'more ranks than runs'
 mpirun -n 2 sh -c 'echo $$ >pid.$OMPI_COMM_WORLD_RANK; exec "$@"' sh "$granhom" study long.yaml -o long2 >said 2>err &
 job=$!

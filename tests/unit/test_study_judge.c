@@ -58,7 +58,7 @@ static void test_errors(void **state) {
   made_destroy(s);
 }
 
-/* What cannot be compared has no error and says why. */
+/* What cannot be compared has no error, and the reason is reported. */
 static void test_nothing_to_compare(void **state) {
   gh_context *ctx = *state;
   gh_study *s = made_study(ctx);
@@ -123,7 +123,7 @@ static void test_ensemble(void **state) {
   OK(study_judge(s));
   const study_judged *row = s->verdict->row;
   assert_int_equal(row->members, 3);
-  NEAR("energy defect, which has a sign", row->energy_defect, -0.5, 0);
+  NEAR("energy imbalance, which has a sign", row->energy_defect, -0.5, 0);
   NEAR("residual", row->residual, 1e-3, 0);
   NEAR("l2", row->l2[0], 0.1, 1e-15);
   NEAR("largest", row->largest[0], 0.1, 1e-15);

@@ -77,7 +77,7 @@ static void runs_are_kept(void **state) {
   assert_int_equal(told, 1);
   run_study(p, s, GH_OK, NULL, NULL, true);
   assert_int_equal(told, 4);
-  /* a fresh study that is stopped keeps no old records, so that it can go on */
+  /* a fresh study that is stopped keeps no old records, so that it can be continued */
   calls = 8;
   run_study(p, s, GH_STOPPED, after_some, &calls, true);
   first = told;
@@ -89,7 +89,7 @@ static void runs_are_kept(void **state) {
 }
 
 /* A record of another build is used, and the tables say so; pictures of an earlier study are gone. */
-static void other_builds_are_told(void **state) {
+static void other_builds_are_reported(void **state) {
   place *p = *state;
   char path[48], *at;
   size_t length;
@@ -159,7 +159,7 @@ static void twins_run_once(void **state) {
 }
 
 /* A scene that nothing drives is judged by its settlement: mean of the nodes under the last load. The mean of
- * P11 and P22 is that of the dead pressure, by virtual work in u = (X, 0) and (0, Y). */
+ * P11 and P22 is that of the dead load, by virtual work in u = (X, 0) and (0, Y). */
 static void scenes_without_driven_edges(void **state) {
   place *p = *state;
   put(p, "scene.yaml",
@@ -281,8 +281,8 @@ static void reference_from_a_file(void **state) {
   assert_non_null(strstr(gh_message(p->ctx), "other.csv:3: t is 0, it must grow from row to row"));
 }
 
-/* Another program's Cauchy stress becomes P; it tells no energy, and does what it can alone. Without friction
- * both find the same equilibrium. */
+/* Another program's Cauchy stress becomes P; it reports no energy, and does what it can alone. Without
+ * friction both find the same equilibrium. */
 static void other_programs(void **state) {
   place *p = *state;
   gh_study *s = study_of(p,
@@ -305,8 +305,8 @@ static void other_programs(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {
-      TEST(runs_are_kept),  TEST(other_builds_are_told), TEST(failures_are_results),
-      TEST(twins_run_once), TEST(triangular_lattice),    TEST(scenes_without_driven_edges),
-      TEST(lattice_alone),  TEST(reference_from_a_file), TEST(other_programs)};
+      TEST(runs_are_kept),  TEST(other_builds_are_reported), TEST(failures_are_results),
+      TEST(twins_run_once), TEST(triangular_lattice),        TEST(scenes_without_driven_edges),
+      TEST(lattice_alone),  TEST(reference_from_a_file),     TEST(other_programs)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

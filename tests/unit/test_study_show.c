@@ -62,7 +62,7 @@ static void test_markdown(void **state) {
   made_destroy(s);
 }
 
-/* The terminal says the same, in columns that stand below each other. */
+/* The terminal shows the same, in columns that stand below each other. */
 static void test_print(void **state) {
   gh_context *ctx = *state;
   gh_study *s = tolerance_study(ctx);
@@ -172,7 +172,7 @@ static void test_nothing(void **state) {
   made_destroy(s);
 }
 
-/* A reference that has no row of its own tells why it has no answer. */
+/* A reference that has no row of its own reports why it has no answer. */
 static void test_failed_reference(void **state) {
   gh_context *ctx = *state;
   gh_study *s = made_study(ctx);
