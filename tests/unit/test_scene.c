@@ -341,8 +341,41 @@ static void observed(void **state) {
   gh_scene_destroy(&scene);
 }
 
+/* A prescribed displacement of any step goes before later loads; of the loads the last step's, a footing
+ * first. */
+static void last_loading(void **state) {
+  gh_context *ctx = *state;
+  static const struct {
+    const char *steps;
+    gh_scene_loading loading;
+    int set;
+  } cases[] = {{"  - {increments: 1, displace: [{edge: top, y: -1}]}\n  - {increments: 1, pressure: [{edge: "
+                "right, to: 1}]}\n",
+                GH_LOADING_DISPLACEMENT, TOP},
+               {"  - {increments: 1, pressure: [{edge: top, to: 1}]}\n  - {increments: 1, pressure: [{edge: "
+                "right, to: 1}]}\n",
+                GH_LOADING_FORCE, RIGHT},
+               {"  - {increments: 1, pressure: [{edge: right, to: 1}], force: [{edge: top, y: -1}]}\n",
+                GH_LOADING_FORCE, RIGHT},
+               {"  - {increments: 1}\n", GH_LOADING_NONE, -1}};
+  for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
+    char text[1024];
+    int set = -2, packings = 0;
+    snprintf(text, sizeof text, HEAD "units: {length: mm, force: N}\nsteps:\n%s", cases[k].steps);
+    gh_scene *scene = scene_of(ctx, text);
+    assert_int_equal(gh_scene_last_loading(scene, &set), cases[k].loading);
+    assert_int_equal(set, cases[k].set);
+    assert_string_equal(gh_scene_length_unit(scene), "mm");
+    assert_string_equal(gh_scene_force_unit(scene), "N");
+    assert_string_equal(gh_scene_packing_files(scene, &packings)[0], "./scenes/block/sand150.data");
+    assert_int_equal(packings, 1);
+    gh_scene_destroy(&scene);
+  }
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {TEST(example),
+                                     TEST(last_loading),
                                      TEST(ramps_start_where_they_are),
                                      TEST(driven_edges),
                                      TEST(supports_hold_where_nodes_are),
