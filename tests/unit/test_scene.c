@@ -355,7 +355,7 @@ static void last_loading(void **state) {
                {"  - {increments: 1, pressure: [{edge: top, to: 1}]}\n  - {increments: 1, pressure: [{edge: "
                 "right, to: 1}]}\n",
                 GH_LOADING_FORCE, RIGHT},
-               {"  - {increments: 1, pressure: [{edge: right, to: 1}], force: [{edge: top, y: -1}]}\n",
+               {"  - {increments: 1, pressure: [{edge: right, to: 1}], forces: [{edge: top, to: [0, -1]}]}\n",
                 GH_LOADING_FORCE, RIGHT},
                {"  - {increments: 1}\n", GH_LOADING_NONE, -1}};
   for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
