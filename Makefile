@@ -249,7 +249,7 @@ bindir := $(PREFIX)/bin
 libdir := $(PREFIX)/lib
 incdir := $(PREFIX)/include
 mandir := $(PREFIX)/share/man/man1
-# The manual page is made of what `granhom help` says.
+# The manual page is made of what `granhom help` states.
 $(BUILD)/granhom.1: $(BUILD)/granhom scripts/man.sh man/granhom.1.in
 	@scripts/man.sh $(BUILD)/granhom man/granhom.1.in >$@.tmp && mv $@.tmp $@
 install: all lib $(BUILD)/granhom.1

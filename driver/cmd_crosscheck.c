@@ -192,7 +192,7 @@ static void job_free(cross_job *j) {
 
 static gh_status crosscheck_work(gh_context *ctx, void *data) {
   cross_job j = {.ctx = ctx, .args = data};
-  signal(SIGPIPE, SIG_IGN); /* gnuplot may end early: its status tells */
+  signal(SIGPIPE, SIG_IGN); /* gnuplot may end early: its status reports it */
   gh_status status = crosscheck(&j);
   job_free(&j);
   return status;

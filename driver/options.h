@@ -80,7 +80,7 @@ gh_status options_read(gh_context *ctx, const option_line *line, void *arguments
 
 /* Rows as help: name, argument, text and default, which `arguments` hold. */
 void options_print(FILE *out, const option_group *groups, const void *arguments);
-/* Text with its lines broken at the width of a help page; a broken line goes on below its own first letter.
+/* Text with its lines broken at the width of a help page; a broken line continues below its own first letter.
  */
 void help_print(FILE *out, const char *text);
 

@@ -31,7 +31,7 @@ static void table_add(line_table *t, const option_row *row, size_t place) {
   snprintf(t->letters + used, sizeof t->letters - used, "%c%s", row->letter, takes == no_argument ? "" : ":");
 }
 
-/* "-": operands are handed over where they stand, whatever POSIXLY_CORRECT says; ":": a missing value is
+/* "-": operands are handed over where they stand, whatever POSIXLY_CORRECT states; ":": a missing value is
  * distinguished from an unknown option. */
 static void table_set(line_table *t, const option_group *groups) {
   *t = (line_table){.letters = "-:"};

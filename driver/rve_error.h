@@ -13,7 +13,7 @@ typedef struct rve_error {
 } rve_error;
 
 /* P of a row when it was reached in halves, and in one from a path of its own in whole rows (NULL: it was not
- * reached). True: the two are different paths, and have to go on as one. */
+ * reached). True: the two are different paths, and have to continue as one. */
 bool rve_error_compare(rve_error *e, const double P[4], const double whole[4], const gh_rve_options *o);
 void rve_error_tell(gh_context *ctx, const rve_error *e);
 

@@ -29,7 +29,7 @@ other p150_p02 p150 0.22 0.2
 other p150d_p02 p150d 1 0.2
 other p150d_p10 p150d 1 1
 
-# A run that fails is a result, too: the report says where and why.
+# A run that fails is a result, too: the report states where and why.
 cat >"$out/one.sh" <<'E2'
 cd "$1" || exit 1
 if [ "${FRESH:-0}" != 1 ] && grep -q '"status":[[:space:]]*"done"' "$2/run.json" 2>/dev/null; then

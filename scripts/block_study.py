@@ -88,7 +88,7 @@ class Run:
         """Increment -> [(point, change of its stress)], from the log: the events of an increment stand before its end."""
         jumps, increment = {}, 0
         for line in self.log:
-            if found := re.search(r"(?:passed a jump|instability).*integration point (\d+), stress changes by ([-+.\de]+)", line):
+            if found := re.search(r"instability.*integration point (\d+), stress changes by ([-+.\de]+)", line):
                 jumps.setdefault(increment, []).append((int(found[1]), float(found[2])))
             if re.match(r"\S.* \d+/\d+ done: ", line):
                 increment += 1

@@ -54,7 +54,7 @@ block_*) ./granhom run "${2#block_}.yaml" -o "$2" --engine "$ENGINE" >"$2.log" 2
   IFS=_ read -r kind boundary axis most angle hardening packing <<E3
 $2
 E3
-  # loose grains may need many steps; with hardening there may be no equilibrium to wait for
+  # floating grains may need many steps; with hardening there may be no equilibrium to wait for
   [ "$hardening" = 0 ] && steps=400000 || steps=50000
   [ "$kind" = cyclic ] && path="cyclic-$most" || path="$kind-$axis-$most"
   ./granhom rve "sand-$packing.data" --path "paths/$path.csv" --boundary "$boundary" --engine "$ENGINE" --normal-stiffness 1000 \

@@ -264,7 +264,7 @@ def rotation_table(text):
 
 def energy_table(text):
     rows = []
-    for boundary, coarse, fine in re.findall(r"^([\w-]+) +energy defect with 8 increments (\S+), with 64 (\S+)", text, re.M):
+    for boundary, coarse, fine in re.findall(r"^([\w-]+) +energy imbalance with 8 increments (\S+), with 64 (\S+)", text, re.M):
         rows.append([boundary, coarse, fine, f"{math.log(float(coarse) / float(fine)) / math.log(8):.2f}"])
     return markdown(["condition", "8 increments", "64 increments", "order"], rows)
 

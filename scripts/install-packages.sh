@@ -16,7 +16,7 @@ wanted=$build
 [ "${1:-}" = fuzz ] && wanted="$build $fuzz"
 [ "${1:-}" = tidy ] && wanted="$build $check clang-tidy"
 [ "${1:-}" = format ] && wanted="clang-format"
-# A system without dpkg has its own names; there the compiler tells what is missing.
+# A system without dpkg has its own names; there the compiler reports what is missing.
 [ "${1:-}" = missing ] && ! command -v dpkg-query >/dev/null 2>&1 && exit 0
 missing=
 for p in $wanted; do

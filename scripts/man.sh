@@ -1,5 +1,5 @@
 #!/bin/sh
-# The manual page, from a frame and from what the program's help says: man.sh GRANHOM FRAME. SPDX-License-Identifier: GPL-2.0-or-later
+# The manual page, from a frame and from what the program's help states: man.sh GRANHOM FRAME. SPDX-License-Identifier: GPL-2.0-or-later
 set -eu
 granhom=$1 frame=$2
 # Lines of text as they are, in a form that troff leaves alone.

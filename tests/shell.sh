@@ -16,7 +16,7 @@ check() {
   shift
   if said=$("$@" 2>&1); then ok "$name"; else not_ok "$name" "$*" "$said"; fi
 }
-# say STATUS NAME: the same for a command that has been; the file `err` or `said.err` tells more
+# say STATUS NAME: the same for a command that has been; the file `err` or `said.err` holds more
 say() {
   local file
   if [ "$1" = 0 ]; then

@@ -63,7 +63,7 @@ typedef struct gh_progress {
   const char *unit;  /* "steps" */
   double done, total;
   double rate;    /* units per second; NAN while unknown */
-  double seconds; /* since the begin */
+  double seconds; /* since the start */
   double left;    /* estimate of the seconds left; NAN while unknown */
   bool end;       /* the last report of this work */
 } gh_progress;
@@ -92,7 +92,7 @@ GH_API gh_status gh_fail_at(const char *file, int line, const char *function, gh
 #endif
 /* Puts text before the stored message: "integration point 17: " + message. Returns s. */
 GH_API gh_status gh_prefix(gh_context *ctx, gh_status s, const char *format, ...) GH_PRINTF(3, 4);
-#ifdef __clang_analyzer__ /* which reads one file at a time and has to be told what they return */
+#ifdef __clang_analyzer__ /* which reads one file at a time and has to know what they return */
 #define gh_fail(ctx, s, ...) (gh_fail(ctx, s, __VA_ARGS__), (s))
 #define gh_prefix(ctx, s, ...) (gh_prefix(ctx, s, __VA_ARGS__), (s))
 #endif
@@ -132,8 +132,8 @@ GH_API void gh_work_end(gh_context *ctx, gh_work *w, double done);
  */
 GH_API const char *gh_build(void);
 
-/* Which BLAS is loaded, as text: folder and file of the library with its version, and what it says of itself.
- * Bits of results depend on it. "unknown": there is none. GH_SYSTEM: its path cannot be resolved. */
+/* Which BLAS is loaded, as text: folder and file of the library with its version, and what it states of
+ * itself. Bits of results depend on it. "unknown": there is none. GH_SYSTEM: its path cannot be resolved. */
 enum { GH_BLAS_SIZE = 256 };
 GH_API gh_status gh_blas(gh_context *ctx, char *text, size_t size);
 

@@ -42,7 +42,7 @@ typedef struct gh_slip {
   double alpha;    /* hardening variable (7.17), length; survives opening (method 8.10) */
 } gh_slip;
 
-/* The tangential part of one contact; f_t is along t = n turned by +90 degrees. */
+/* The tangential part of one contact; f_t is along t = n rotated by +90 degrees. */
 typedef struct gh_friction {
   gh_slip slip;  /* of the trial state, with the key of the contact */
   double force;  /* f_t = E_t (gamma - gamma_pl), signed: f on grain i is -E_n e n - c f_t t (7.19) */

@@ -65,20 +65,20 @@ typedef struct gh_control gh_control;
 
 typedef struct gh_control_options {
   double stiffness; /* > 0: normal stiffness of the contacts (force per length), or what stands for it: scales
-                       strains that stand for a lack of stress, and steps beyond jumps */
+                       strains that stand for a lack of stress, and steps over instabilities */
   double tolerance; /* of the stress conditions, over the largest stress; default 1e-6. Conditions on the
                        deformation are met to round-off */
   int max_iterations; /* of Newton per attempt, default 20 */
   int cut_steps;      /* how often a failing increment is halved, default 6 */
-  bool pass_jumps; /* default true: where no equilibrium is near (a jump of the packing, a limit load), go on
-                      by servo control: see gh_control_solve */
+  bool pass_jumps; /* default true: where no equilibrium is near (an instability, a limit load), continue by
+                      servo control: see gh_control_solve */
 } gh_control_options;
 /* The stiffness is 0, to be set. */
 GH_API gh_control_options gh_control_defaults(void);
 
 typedef struct gh_control_report {
   int iterations;  /* evaluations of the point */
-  int parts, cuts; /* parts that the increment was met in, and how often it was halved */
+  int parts, cuts; /* substeps that the increment was met in, and bisections */
   int jumps;       /* times that servo control had to pass a discontinuity (method 6) */
   double mismatch; /* largest lack of a stress condition over the largest stress */
 } gh_control_report;
@@ -90,11 +90,12 @@ GH_API gh_status gh_control_create(gh_context *ctx, const gh_point_ops *ops, voi
 GH_API gh_status gh_control_create_rve(gh_context *ctx, gh_rve *rve, const gh_control_options *options,
                                        gh_control **control);
 GH_API void gh_control_destroy(gh_control **control);
-/* stop(data) is asked before each evaluation; once it says true, what runs ends with GH_STOPPED. NULL: never.
+/* stop(data) is asked before each evaluation; once it returns true, what runs ends with GH_STOPPED. NULL:
+ * never.
  */
 GH_API void gh_control_set_stop(gh_control *control, bool (*stop)(void *data), void *data);
-/* count(data) is told of each equilibrium before it is committed, while the point's measures are those of it.
- * NULL: nobody. */
+/* count(data) is called at each equilibrium before it is committed, while the point's measures are those of
+ * it. NULL: nobody. */
 GH_API void gh_control_set_count(gh_control *control, void (*count)(void *data), void *data);
 
 /* Brings the point to F and commits: the state that control begins with. Before the first gh_control_solve.
@@ -102,11 +103,11 @@ GH_API void gh_control_set_count(gh_control *control, void (*count)(void *data),
 GH_API gh_status gh_control_start(gh_control *control, const double F[4]);
 /* Finds F such that the four conditions have their targets, and commits. On the way they go linearly from
  * their present values. Newton's method on the mixed conditions, every evaluation from the committed state;
- * an increment that fails is halved. Where halving does not help, because the packing jumps and the wanted
- * stress lies in the gap, or because it cannot carry more, the point goes on by servo control: small steps
+ * an increment that fails is halved. Where halving does not help, because of an instability the wanted
+ * stress lies in the gap, or because it cannot carry more, the point continues by servo control: small steps
  * that reduce what is lacking, each of them committed, so that the packing goes through what rearranges; that
  * is counted. GH_INPUT: the conditions do not determine F, a target is not finite. GH_DIVERGED: they cannot
- * be met; the state is then the last committed one, and the message says what is lacking. */
+ * be met; the state is then the last committed one, and the message states what is lacking. */
 GH_API gh_status gh_control_solve(gh_control *control, const gh_condition condition[4],
                                   const double target[4], gh_control_report *report);
 

@@ -1,8 +1,8 @@
 /* granhom: engines evaluate contacts and relax grains; the seam between the RVE and the discrete element
  * method. SPDX-License-Identifier: GPL-2.0-or-later
  *
- * An engine is a workspace for one packing: radii, law and which grains are held are given once. With
- * friction, the converged state n is given at the begin of an increment. Cell, positions and rotations are
+ * An engine is a workspace for one packing: radii, law and which grains are fixed are given once. With
+ * friction, the converged state n is given at the start of an increment. Cell, positions and rotations are
  * set for each evaluation, and what comes back depends on nothing else (so an engine has no memory and can be
  * shared). Positions are those of the primary grains as the RVE keeps them: not wrapped into the cell, in the
  * frame of space; rotations are angles, counter-clockwise. Without friction there are no rotations: where a
@@ -26,7 +26,7 @@ typedef struct gh_engine_setup {
   const double *radius;      /* n, > 0 */
   const int *type;           /* n, sieve fractions 1, 2, ...; NULL: all 1 */
   const unsigned char *held; /* n, nonzero: position is prescribed, never moved by relax; NULL: all are free.
-                                Held grains still rotate, unless the law fixes the rotations of all */
+                                Fixed grains still rotate, unless the law fixes the rotations of all */
   bool periodic;             /* true: a periodic cell; false: a cluster in free space, no images */
   gh_contact_law law;
 } gh_engine_setup;
@@ -69,8 +69,8 @@ typedef struct gh_relax_options {
   long max_steps;
   double floor; /* mean normal force at or below which the packing counts as unjammed (absolute) */
   gh_relaxation method;
-  double least_damping; /* over 1/dt, to begin with: what a relaxation that is gone on with had in the end; 0:
-                           anew. With friction and without FIRE, else nothing */
+  double least_damping; /* over 1/dt, to begin with: what a relaxation that is continued had in the end; 0:
+                           again. With friction and without FIRE, else nothing */
 } gh_relax_options;
 
 typedef struct gh_relax_result {
@@ -121,7 +121,7 @@ GH_API gh_status gh_engine_begin(gh_engine *engine, const gh_converged *state);
 GH_API gh_status gh_engine_set(gh_engine *engine, const double cell[4], const double *x, const double *theta);
 /* Changes the positions and rotations only, by little: cheaper than gh_engine_set. Same cell. */
 GH_API gh_status gh_engine_move(gh_engine *engine, const double *x, const double *theta);
-/* Moves the free grains, and turns all grains that may turn, towards equilibrium. Not converging within
+/* Moves the free grains, and rotates all grains that may rotate, towards equilibrium. Not converging within
  * max_steps is no error: look at the result. */
 GH_API gh_status gh_engine_relax(gh_engine *engine, const gh_relax_options *options, gh_relax_result *result);
 GH_API gh_status gh_engine_contacts(gh_engine *engine, gh_contact_list *list);

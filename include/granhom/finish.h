@@ -72,7 +72,7 @@ typedef struct gh_finish_report {
 /* Brings a packing of hard grains (just touching, apart, or pressed together) to a jammed state of soft
  * grains in equilibrium: the periodic cell is scaled and the grains relax until the goal is met; then, where
  * asked, the cell relaxes or is pre-strained. The radii stay. `soft` is new, its positions lie in its cell.
- * GH_INPUT: options out of range; GH_DIVERGED: the goal cannot be met (says how near it came). */
+ * GH_INPUT: options out of range; GH_DIVERGED: the goal cannot be met (states how near it came). */
 GH_API gh_status gh_finish(gh_context *ctx, const gh_packing *hard, const gh_finish_options *options,
                            gh_packing **soft, gh_finish_report *report);
 /* The report of a packing in equilibrium with soft grains, in the cell as it is. Grains that are not at rest

@@ -61,8 +61,9 @@ typedef struct gh_lammps_data {
 /* Reads header, box (also general triclinic ones, if a and b lie in the plane), Atoms (id type diameter
  * density x y z, or of style hybrid sphere; with or without three image flags), Atom Type Labels. Masses,
  * Velocities and coefficients are passed over. Errors: missing file, truncated (fewer atoms than the header
- * says), empty, a number that is none or not finite, another atom style in "Atoms # style", bonds and shapes,
- * type out of range, low >= high. Meaning of the values (radius, ids, z) is checked by the packing. */
+ * states), empty, a number that is none or not finite, another atom style in "Atoms # style", bonds and
+ * shapes, type out of range, low >= high. Meaning of the values (radius, ids, z) is checked by the packing.
+ */
 GH_API gh_status gh_lammps_data_read(gh_context *ctx, const char *path, gh_lammps_data **data);
 GH_API gh_status gh_lammps_data_write(gh_context *ctx, const char *path, const char *title,
                                       const gh_lammps_data *data);
@@ -114,7 +115,7 @@ GH_API gh_status gh_file_there(gh_context *ctx, const char *path, bool *there);
 GH_API gh_status gh_file_remove(gh_context *ctx, const char *path);
 /* Makes a folder, as above, and becomes the only one who writes into it, until gh_lock_destroy or the end of
  * the process, whatever ends it. GH_SYSTEM: another process does already (its host and number are in the
- * message); nothing was changed then. A file .lock in the folder tells of it; folders that were made for the
+ * message); nothing was changed then. A file .lock in the folder marks it; folders that were made for the
  * lock and stay empty are removed with it. Who only reads needs no lock. */
 typedef struct gh_lock gh_lock;
 GH_API gh_status gh_lock_create(gh_context *ctx, const char *folder, gh_lock **lock);
@@ -226,7 +227,7 @@ GH_API void gh_h5_start(void);
  * are checked whenever it is opened: GH_INPUT for what is damaged, of another kind or without a checksum. */
 GH_API gh_status gh_h5_open(gh_context *ctx, const char *path, const char *kind, bool append, gh_h5 **file);
 /* Opens for reading. GH_INPUT: missing, or as above. With `sealed` a file of HDF5 that has no checksum is
- * read all the same, and *sealed tells. */
+ * read all the same, and *sealed states whether. */
 GH_API gh_status gh_h5_read(gh_context *ctx, const char *path, const char *kind, bool *sealed, gh_h5 **file);
 /* Datasets; groups in the name are made as needed ("/step0003/P"). cols 1: a vector. */
 GH_API gh_status gh_h5_put_doubles(gh_h5 *file, const char *name, size_t rows, size_t cols,

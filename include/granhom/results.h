@@ -172,7 +172,7 @@ GH_API void gh_sum_text(uint64_t sum, char text[GH_SUM_TEXT]);
 /* ---- dumps ---- */
 
 /* A frame of a LAMMPS dump: the grains of one material point, id type x y z ix iy iz radius grain rattler
- * held replica and with friction theta. Periodic: in the box of the cell, rotated so that its first lattice
+ * fixed replica and with friction theta. Periodic: in the box of the cell, rotated so that its first lattice
  * vector lies along x, with image flags; else in a bounding box as it is. */
 GH_API void gh_dump_grains(gh_text *out, long step, const gh_rve_view *view);
 

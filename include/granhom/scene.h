@@ -44,7 +44,7 @@ GH_API void gh_scene_set_estimate(gh_scene *scene, bool estimate);
 /* For gh_scene_explain: the ranks it would run on (0: this build has no MPI), and whether RVEs stay where
  * they began. */
 GH_API void gh_scene_set_ranks(gh_scene *scene, int ranks, bool no_balance);
-/* Says in words what the scene switches on and what it leaves out. */
+/* States in words what the scene switches on and what it leaves out. */
 GH_API void gh_scene_explain(const gh_scene *scene, gh_text *out);
 
 /* ---- load steps: the plan of what acts when ---- */
@@ -92,7 +92,7 @@ typedef struct gh_run_options {
   void *stop_data;
   const void *comm;     /* MPI_Comm * whose other ranks are in gh_farm_serve; NULL: this process alone */
   bool no_balance;      /* leave RVEs on the rank where they began */
-  bool restart;         /* go on from the checkpoint in the folder; from the start where there is none */
+  bool restart;         /* continue from the checkpoint in the folder; from the start where there is none */
   int checkpoint_every; /* increments from one checkpoint to the next; 0: 1 */
   /* called after each complete increment, that of the start (step 0) among them, `increment` of the
      `increments` that are planned in the step; what is not GH_OK ends the run. NULL: not */
@@ -143,7 +143,7 @@ typedef struct gh_run_summary {
  * at the start); GH_DIVERGED: names step and increment; what was complete before is on disk. `summary` may be
  * NULL. Folder NULL: nothing is written, there are no checkpoints, and `restart` is not looked at; what comes
  * out is seen by `observe`. checkpoint.h5 is written last, so that all files are complete up to its
- * increment; a run that ends early writes one of the last complete increment. A run that goes on from it
+ * increment; a run that ends early writes one of the last complete increment. A run that continues from it
  * writes the same files as one that was never interrupted, seconds apart. GH_INPUT: a checkpoint that is
  * damaged or of another scene, packing, mesh or version. */
 GH_API gh_status gh_scene_run(gh_scene *scene, const char *folder, const gh_run_options *options,

@@ -10,7 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* The last two parts of a path: the name of a library says little where its folder tells them apart. */
+/* The last two parts of a path: the name of a library states little where its folder tells them apart. */
 static const char *path_end(const char *path) {
   const char *end = path + strlen(path);
   for (int parts = 0; end > path; end--)
@@ -18,7 +18,7 @@ static const char *path_end(const char *path) {
   return end;
 }
 
-/* What the library says of itself: version, and the kernels that it has chosen for this processor. */
+/* What the library states of itself: version, and the kernels that it has chosen for this processor. */
 static void blas_describe(char *text, size_t size) {
   typedef char *config(void);
   static const char *const names[] = {"openblas_get_config", "openblas_get_corename",

@@ -45,7 +45,7 @@ struct gh_control {
 typedef struct goal {
   const gh_condition *condition;
   double end[4], from[4], now[4];
-  double stress; /* largest stress at the begin and among the targets */
+  double stress; /* largest stress at the start and among the targets */
   gh_control_report *report;
 } goal;
 

@@ -148,7 +148,7 @@ static gh_status go(gran *g, int row) {
 
 /* ---- what is measured ---- */
 
-/* The normal force on grain 1 lies along the branch vector, of which LAMMPS tells the length alone. */
+/* The normal force on grain 1 lies along the branch vector, of which LAMMPS reports the length alone. */
 static bool read_contact(const double *row, double l[2], double f[2]) {
   if (row[NORMAL] == 0) return false; /* a touch without overlap */
   for (int c = 0; c < 2; c++) {
@@ -158,7 +158,7 @@ static bool read_contact(const double *row, double l[2], double f[2]) {
   return true;
 }
 
-/* Stress and mean force, turned as `cell` says. */
+/* Stress and mean force, turned as `cell` states. */
 static gh_status sum_contacts(gran *g, const peer_cell *cell, gh_peer_row *r) {
   int count;
   double **rows;
@@ -257,7 +257,7 @@ gh_status peer_lammps(gh_context *ctx, const gh_peer_problem *p, gh_peer_row *ro
   peer_cell_find(p, -1, &g.cell);
   gh_status status = walk(&g, row, result);
   gh_lmp_close(&g.lmp);
-  if (status == GH_ENGINE) { /* what LAMMPS says is a result, not an error of this program */
+  if (status == GH_ENGINE) { /* what LAMMPS states is a result, not an error of this program */
     peer_end(result, GH_PEER_FAILED, "row %d: %s", result->rows, gh_message(ctx));
     status = GH_OK;
   }

@@ -138,7 +138,7 @@ static void print_row(const liggghts *g, gh_text *s, int row) {
                 "next check\njump SELF relax%d\nprint \"granhom unrest %d ${rforce} ${rdrag} "
                 "${rmoment}\"\nquit\nlabel rest%d\nvariable check delete\n",
                 row, row, row);
-  /* the residual before the dump: its run sets up anew, with the drag of the velocities half a step later */
+  /* the residual before the dump: its run sets up again, with the drag of the velocities half a step later */
   gh_text_print(s, "print \"granhom row %d ${now} ${rforce} ${rdrag} %s\"\n", row,
                 g->m.rotate ? "${rmoment}" : "0");
   gh_text_print(s, "dump rest all local 1 contacts.%d", row);

@@ -52,7 +52,7 @@ typedef struct farm_waiting {
 
 /* comm is the caller's MPI_Comm *. GH_INPUT: this build has no MPI. */
 gh_status farm_connect(gh_context *ctx, const void *comm, farm_comm *to, int *ranks);
-/* Tells a rank to leave its jobs. */
+/* Asks a rank to leave its jobs. */
 void farm_cancel(farm_comm comm, int rank);
 /* Sends and waits until the message is sent. */
 void farm_send(farm_comm comm, int rank, int tag, const farm_message *m);

@@ -23,7 +23,7 @@ static bool evaluation_stop_requested(const farm_shared *s) {
   return s->stop && s->stop(s->stop_data);
 }
 
-/* Tells all ranks to leave their jobs, once. */
+/* Asks all ranks to leave their jobs, once. */
 static void evaluation_cancel(farm_shared *s) {
   if (s->cancelled) return;
   s->cancelled = true;
@@ -311,7 +311,7 @@ gh_status farm_shared_look(farm_shared *s, int point, gh_rve_view *view) {
   farm_put(farm_begin_order(s, FARM_LOOK), &task, sizeof task);
   GH_TRY(farm_order(s, rank));
   GH_TRY(farm_reply(s, rank));
-  farm_message swap = s->view; /* the view stays while s->message goes on */
+  farm_message swap = s->view; /* the view stays while s->message continues */
   s->view = s->message;
   s->message = swap;
   if (farm_take_view(&s->view, view)) return GH_OK;

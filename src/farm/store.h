@@ -39,7 +39,7 @@ gh_status farm_store_evaluate(farm_store *store, const farm_task *task, unsigned
 gh_status farm_store_get(farm_store *store, int slot, const double **state, size_t *size);
 /* Memory of a slot for a state of that size, to be filled. */
 gh_status farm_store_put(farm_store *store, int slot, size_t size, double **state);
-/* Grains and contacts of an evaluation; done again where its RVE has gone on. */
+/* Grains and contacts of an evaluation; done again where its RVE has continued. */
 gh_status farm_store_look(farm_store *store, const farm_task *task, gh_rve_view *view);
 /* Adds to sum. */
 void farm_store_costs(const farm_store *store, gh_rve_cost *sum);

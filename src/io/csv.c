@@ -7,7 +7,7 @@
 
 enum { MAX_COLUMNS = 10000, MOST_MEGABYTES = 256 };
 
-/* The next line that says something; NULL at the end. Keeps the last comment, which may be the header. */
+/* The next line that states something; NULL at the end. Keeps the last comment, which may be the header. */
 static char *next_line(gh_table *t) {
   char *line;
   while ((line = gh_reader_line(&t->r))) {

@@ -46,7 +46,7 @@ typedef struct gh_data_parser {
 #define GH_DATA_FAIL(p, format, ...)                                                                         \
   gh_fail((p)->ctx, GH_INPUT, "%s:%d: " format, (p)->r.path, (p)->r.line, __VA_ARGS__)
 
-/* The next line that says something, without blanks around it and without its comment; NULL at the end. */
+/* The next line that states something, without blanks around it and without its comment; NULL at the end. */
 char *gh_data_line(gh_data_parser *p);
 gh_status gh_data_number(gh_data_parser *p, const char *text, const char *what, double *value);
 

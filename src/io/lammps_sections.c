@@ -8,7 +8,8 @@
 enum {
   ATOM_WORDS = 7,     /* id type diameter density x y z */
   FLAGGED_WORDS = 10, /* and three image flags */
-  MIN_ATOM_BYTES = 14 /* "1 1 1 1 0 0 0\n": what bounds the atoms a file can hold, whatever its header says */
+  MIN_ATOM_BYTES =
+      14 /* "1 1 1 1 0 0 0\n": what bounds the atoms a file can hold, whatever its header states */
 };
 
 /* What a section is to granhom, and the count of its lines, which may begin with a label. */
@@ -218,7 +219,7 @@ static gh_status read_atoms(gh_data_parser *p, char **line) {
     k++;
   }
   if (k == natoms) return GH_OK;
-  return GH_DATA_FAIL(p, "%d atoms, but the header (line %d) says %d: the file is truncated", k,
+  return GH_DATA_FAIL(p, "%d atoms, but the header (line %d) states %d: the file is truncated", k,
                       p->seen[GH_DATA_ATOMS], natoms);
 }
 

@@ -11,7 +11,7 @@ enum { GH_SEAL = 512 };
 void gh_seal_make(const char *kind, void *bytes, size_t length);
 /* Checks each byte of a file. GH_INPUT: missing, empty, no file, damaged (whatever was changed, cut off or
  * appended), of another kind, or an HDF5 file without a seal; with `sealed` the latter is allowed, and
- * *sealed tells. GH_SYSTEM: cannot be read. */
+ * *sealed states whether. GH_SYSTEM: cannot be read. */
 gh_status gh_seal_check(gh_context *ctx, const char *path, const char *kind, bool *sealed);
 
 #endif

@@ -12,7 +12,7 @@ struct gh_text {
   gh_context *ctx;
   char *bytes;
   size_t length, capacity;
-  bool failed; /* a print found no memory: whoever reads or commits the text is told */
+  bool failed; /* a print found no memory: whoever reads or commits the text gets the error */
 };
 
 gh_status gh_text_create(gh_context *ctx, gh_text **text) {

@@ -1,11 +1,11 @@
 /* Rigid massless footings: three unknowns that the nodes under them follow. SPDX-License-Identifier:
  * GPL-2.0-or-later
  *
- * A footing moves by dc and turns by an angle, exactly: x_a' = c + dc + Q (x_a - c), c the middle between the
- * ends of its edge. Unknowns are q = (dc, phi), phi the angle times half the length of the edge, so that all
- * three are lengths. Nodal residuals R_a (internal minus external forces without the footing's own load) give
- *   R_q = (sum R_a - f, (sum r_a x R_a - r_p x f)/h),  r = x - c,
- * and the tangent is T' K T with du_a = T_a dq = dc + phi/h e_z x r_a, plus the turn of the arms,
+ * A footing moves by dc and rotates by an angle, exactly: x_a' = c + dc + Q (x_a - c), c the middle between
+ * the ends of its edge. Unknowns are q = (dc, phi), phi the angle times half the length of the edge, so that
+ * all three are lengths. Nodal residuals R_a (internal minus external forces without the footing's own load)
+ * give R_q = (sum R_a - f, (sum r_a x R_a - r_p x f)/h),  r = x - c, and the tangent is T' K T with du_a =
+ * T_a dq = dc + phi/h e_z x r_a, plus the rotation of the arms,
  * (-sum r_a . R_a + r_p . f)/h^2, at the place of phi. Sums of forces and moments balance exactly then.
  *
  * Nothing is stored from increment to increment: that the nodes are rigidly connected is in their positions,
@@ -56,7 +56,7 @@ void gh_footing_point(const gh_mesh *mesh, int set, double eccentricity, double 
 }
 
 /* Where the ends are now: the middle, and the map S = [a -b; b a] of reference arms about the middle to
- * present ones (a turn; also a stretch where the footing was put on ground that had moved). */
+ * present ones (a rotation; also a stretch where the footing was put on ground that had moved). */
 typedef struct frame {
   double c[2], a, b;
 } frame;
@@ -223,7 +223,7 @@ failed:
   return status;
 }
 
-/* Nodal R under a footing with a load, as R_q; `spring`: the turn of the arms. */
+/* Nodal R under a footing with a load, as R_q; `spring`: the rotation of the arms. */
 static void footing_gather(const gh_macro *m, const gh_footing *f, const gh_footing_load *load,
                            const double *u, const double *R, double q[3], double *spring) {
   frame here = frame_find(m->mesh, f->end, u);

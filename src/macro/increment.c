@@ -62,7 +62,7 @@ static gh_status substep_accept(gh_macro *m, const gh_attempt *a, int iterations
   w->again = 0;
   w->change = INFINITY;
   /* Substeps grow on the grid of halves, quarters, ..., so that they end at 1 and are never finer than the
-   * option says. */
+   * option states. */
   if (w->level > m->first_level && 2 * iterations <= m->options.max_iterations &&
       fmod(w->t, 2 * w->dt) == 0) {
     w->level--;

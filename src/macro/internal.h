@@ -28,7 +28,7 @@ typedef struct gh_edge_loads {
 } gh_edge_loads;
 
 /* The dead load of a footing: a force and its arms, arm_ij = f_i z_j with z the arm in the reference about
- * the middle of the edge. The moment at any turn is linear in them, so loads add and mix. */
+ * the middle of the edge. The moment at any rotation is linear in them, so loads add and mix. */
 typedef struct gh_footing_load {
   int set;
   double force[2], arm[4];
@@ -51,7 +51,7 @@ gh_status gh_edge_loads_add(gh_context *ctx, gh_edge_loads *list, int a, int b, 
 /* ---- footing.c ---- */
 
 /* A footing of the present increment, in the order of the loads'. Its unknowns q are its displacement and its
- * turn times `half`; they stand behind the ndof entries of residuals and corrections. */
+ * rotation times `half`; they stand behind the ndof entries of residuals and corrections. */
 typedef struct gh_footing {
   const gh_mesh_set *set;
   int end[2];           /* nodes at the ends of its edge */
@@ -115,9 +115,9 @@ void gh_system_destroy(gh_system **system);
  * two displacements and the rotation. At the start of an increment: analyses are not stored from one to the
  * next, because UMFPACK's depends on the values, and a restart has only those to come. */
 gh_status gh_system_constrain(gh_system *system, const unsigned char *fixed, int n, const int *owner);
-/* Displacement of a node for a unit turn of its body. */
+/* Displacement of a node for a unit rotation of its body. */
 void gh_system_turn(gh_system *system, int node, const double turn[2]);
-/* Stiffness of a body against its turn, besides that of the mesh. */
+/* Stiffness of a body against its rotation, besides that of the mesh. */
 void gh_system_spring(gh_system *system, int body, double spring);
 void gh_system_clear(gh_system *system);
 /* Adds an n x n matrix (row-major) at the degrees of freedom dof. */
@@ -239,7 +239,7 @@ typedef struct gh_attempt {
   double residual, scale;         /* of m->now */
   double before[GH_MACRO_MEMORY]; /* residuals of m->now in this substep, the latest first; 0: none */
   bool released;                  /* fading forces do not act */
-  bool present;                   /* iterate with current tangents, whatever the option says */
+  bool present;                   /* iterate with current tangents, whatever the option states */
 } gh_attempt;
 
 /* External forces at the fraction t and at displacements u; f: ndof. Without `fade` those that fade are left

@@ -9,8 +9,8 @@
  * are symmetric to their residual, and what is dropped only slows Newton's iteration by that factor. */
 static const double asymmetry = 1e-9;
 
-/* A share of an entry of the whole matrix in the reduced one: at (row, col), times the turn of the nodes at
- * turn_row and turn_col (degrees of freedom; -1: times 1). */
+/* A share of an entry of the whole matrix in the reduced one: at (row, col), times the rotation of the nodes
+ * at turn_row and turn_col (degrees of freedom; -1: times 1). */
 typedef struct share {
   int row, col, source, turn_row, turn_col, target;
 } share;
@@ -25,7 +25,7 @@ struct gh_system {
   bool constrained;
   int nbodies;
   int *owner;                          /* nnodes: the rigid body of a node, -1 for none */
-  double *turn;                        /* ndof: displacement for a unit turn of the body */
+  double *turn;                        /* ndof: displacement for a unit rotation of the body */
   double *spring;                      /* of each body */
   int *free_start, *free_row, *source; /* the same of the free part, the bodies' three last; source: its
                                           entries in `value`, -1 where shares are added up */

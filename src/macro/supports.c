@@ -59,12 +59,12 @@ static void bodies_gather(const gh_mesh *mesh, const unsigned char *fixed, const
 /* What the supports leave free; NULL when nothing. The rotation is what remains after x and y are eliminated.
  */
 static const char *body_free_motion(const double g[3][3]) {
-  if (g[0][0] == 0 && g[1][1] == 0) return "in x, in y and to turn";
+  if (g[0][0] == 0 && g[1][1] == 0) return "in x, in y and in rotation";
   if (g[0][0] == 0) return "in x";
   if (g[1][1] == 0) return "in y";
   /* Forms of x and of y share the rotation alone, so gram[0][1] = 0 and the Schur complement is this. */
   double rest = g[2][2] - g[0][2] * g[0][2] / g[0][0] - g[1][2] * g[1][2] / g[1][1];
-  return rest <= 1e-12 * (g[0][0] + g[1][1]) ? "to turn" : NULL;
+  return rest <= 1e-12 * (g[0][0] + g[1][1]) ? "in rotation" : NULL;
 }
 
 gh_status gh_supports_check(gh_context *ctx, const gh_mesh *mesh, const unsigned char *fixed, int nfootings,

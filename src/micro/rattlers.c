@@ -1,6 +1,6 @@
 /* Rattlers: grains that their contacts cannot hold (Table 4.3). SPDX-License-Identifier: GPL-2.0-or-later
  *
- * A grain is held when the largest angular gap between its contacts is below 180 degrees. Contacts with
+ * A grain is supported when the largest angular gap between its contacts is below 180 degrees. Contacts with
  * marked grains do not count, so the search is repeated until nothing changes. A gap of 180 degrees (two
  * opposite contacts, the special case of the text) holds if it carries force. */
 #include "micro/internal.h"

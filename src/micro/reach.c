@@ -44,7 +44,7 @@ gh_status gh_rve_reach(gh_rve *rve, gh_rve_way *w, double A[16]) {
       continue;
     }
     if (status != GH_OK && w->parts > 0)
-      gh_prefix(rve->ctx, status, "after %d parts of the increment: ", w->parts);
+      gh_prefix(rve->ctx, status, "after %d substeps of the increment: ", w->parts);
     GH_TRY(status);
     t += dt;
     if (level > w->halvings && fmod(t, 2 * dt) == 0) dt *= 2, level--;

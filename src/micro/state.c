@@ -47,7 +47,7 @@ static gh_status state_check_parts(const gh_rve *r, const double *state, size_t 
   if (!gh_rve_friction(r)) return GH_OK;
   const double slips = state[*used - NUMBERS + SLIPS];
   if (!(slips >= 0) || slips > INT_MAX || slips != nearbyint(slips))
-    return gh_fail(r->ctx, GH_INPUT, "the state to load says that %g contacts have a history", slips);
+    return gh_fail(r->ctx, GH_INPUT, "the state to load states that %g contacts have a history", slips);
   *used = state_size(r, (int)slips);
   return GH_OK;
 }

@@ -109,7 +109,7 @@ void growth_destroy2(growth **g);
 /* Puts grain i into the cell, gives it a new hull and list. Its clock must be at g->now. */
 gh_status growth_list2(growth *g, int i);
 gh_status growth_list_all2(growth *g);
-/* Orders the grains along a curve through the cell and lists them anew. Clocks at g->now, events checks. */
+/* Orders the grains along a curve through the cell and lists them again. Clocks at g->now, events checks. */
 gh_status growth_order2(growth *g);
 
 /* ---- grow_events.c ---- */
@@ -166,7 +166,7 @@ static inline void impact(gh_collision rule, double gi, double gj, double mi, do
     *vi = fmin(a, b) - gi;
     *vj = fmax(a, b) + gj;
   } else { /* the surfaces part as fast as they met; never slower than a part of their growth, so that time
-              goes on */
+              advances */
     double part = fmax(a - b + gi + gj, 1e-9 * (gi + gj)) + gi + gj;
     double mean = (mi * a + mj * b) / (mi + mj);
     *vi = mean - mj / (mi + mj) * part;

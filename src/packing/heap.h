@@ -1,6 +1,6 @@
 /* The queue of events: one entry per grain, ordered by time. SPDX-License-Identifier: GPL-2.0-or-later
  * A heap of four children per node with the place of each grain, so that an entry moves in O(log n). Who
- * rises near the top is told, so that his memory can be fetched before his event. */
+ * rises near the top is reported, so that its memory can be fetched before its event. */
 #ifndef GRANHOM_PACKING_HEAP_H
 #define GRANHOM_PACKING_HEAP_H
 

@@ -12,7 +12,8 @@ gh_status packing_large(gh_context *ctx, size_t bytes, void *out) {
   void *memory = aligned_alloc(unit, whole);
   if (!memory) return gh_fail(ctx, GH_MEMORY, "no memory for %zu bytes", bytes);
 #ifdef MADV_HUGEPAGE
-  if (unit == PAGE) (void)madvise(memory, whole, MADV_HUGEPAGE); /* advice: without it, all goes on slower */
+  if (unit == PAGE)
+    (void)madvise(memory, whole, MADV_HUGEPAGE); /* advice: without it, everything is slower */
 #endif
   memset(memory, 0, whole);
   memcpy(out, &memory, sizeof memory);

@@ -115,7 +115,7 @@ static gh_status come_to_rest(finish_job *j) {
   bool found;
   double F[4] = {1, 0, 0, 1};
   GH_TRY(finish_try(j, F, true, &found));
-  if (!found) return GH_DIVERGED; /* the RVE's message says why */
+  if (!found) return GH_DIVERGED; /* the RVE's message states why */
   GH_TRY(finish_take(j));
   for (int attempt = 1; attempt <= 12 && !(j->now.residual <= j->options->tolerance); attempt++) {
     F[0] = F[3] = 1 - 1e-6 * attempt * j->now.overlap;

@@ -3,8 +3,8 @@
  *
  * The goal is approached from the compressed side, where the packing is jammed: first the cell shrinks until
  * the value lies above the target, then it grows by secants. A trial that falls short, unjams or finds no
- * equilibrium is dropped and bounds the step. A packing that rearranges jumps over the target; then the state
- * below the jump is taken and compressed anew. */
+ * equilibrium is dropped and bounds the step. A packing that rearranges may snap past the target; then the
+ * state before the instability is taken and compressed again. */
 #include "prepare/finish.h"
 
 static const double longest_step = 0.01;            /* of the cell's size, at once */
@@ -74,8 +74,8 @@ static gh_status leap(finish_job *j, double growth) {
   return isnan(value) ? too_many(j) : finish_take(j);
 }
 
-/* From a value above the target: lets the cell grow until it is met. Not met: the packing jumps over the
- * target, and has been taken beyond the jump. `limit`: the growth that is known to lead below the target. */
+/* From a value above the target: lets the cell grow until it is met. Not met: an instability leads past the
+ * target, and the packing is post-instability. `limit`: the growth that is known to lead below the target. */
 static gh_status decompress(finish_job *j, int last, bool *met) {
   double target = j->options->target, value = finish_value(j, &j->now), slope = NAN, limit = INFINITY;
   for (*met = true; !meets(j, value);) {

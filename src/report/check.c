@@ -18,7 +18,7 @@ static bool still_running(const folder *f) {
   return cJSON_IsString(status) && strcmp(status->valuestring, "running") == 0;
 }
 
-/* A run that has ended says how many increments it has written; the start comes before them. */
+/* A run that has ended states how many increments it has written; the start comes before them. */
 static gh_status history_check(const folder *f, const report_table *h) {
   const cJSON *summary = cJSON_GetObjectItemCaseSensitive(f->run, "summary"),
               *increments = cJSON_GetObjectItemCaseSensitive(summary, "increments");

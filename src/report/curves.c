@@ -70,7 +70,7 @@ gh_status gh_picture_curves(gh_context *ctx, const char *folder, const char *png
 
 enum { MOST_CURVES = 6 };
 
-/* One curve per increment, broken where a cut or a jump starts the iteration anew. */
+/* One curve per increment, broken where a cut or a jump starts the iteration again. */
 static void write_residuals(gh_text *out, const gh_csv *csv, const report_labels *l) {
   int step = gh_csv_find(csv, "step"), relative = gh_csv_find(csv, "relative"),
       iteration = gh_csv_find(csv, "iteration");

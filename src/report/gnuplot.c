@@ -69,7 +69,7 @@ static void child_close(child *c) {
   free(c->env);
 }
 
-/* -d: neither the user's nor the machine's settings of gnuplot; -: the script is standard input, and its
+/* -d: neither the user's nor the machine's configuration of gnuplot; -: the script is standard input, and its
  * first error ends it. Returns an errno. */
 static int child_start(child *c) {
   char program[] = "gnuplot", defaults[] = "-d", script[] = "-", *argv[] = {program, defaults, script, NULL};

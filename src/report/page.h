@@ -58,7 +58,7 @@ gh_status report_picture_check(gh_context *ctx,
 
 /* ---- recorded.c ---- */
 
-/* What run.json says. */
+/* What run.json states. */
 typedef struct report_labels {
   char title[256], length[96], force[96], stress[200];
   char driven_set[GH_COLUMN]; /* "" when nothing is driven */

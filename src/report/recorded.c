@@ -1,4 +1,4 @@
-/* What a folder of results tells those who draw it. SPDX-License-Identifier: GPL-2.0-or-later
+/* What is read of a folder of results in order to draw it. SPDX-License-Identifier: GPL-2.0-or-later
  */
 #include "io/file.h"
 #include "io/json.h"

@@ -7,7 +7,7 @@
 typedef struct columns {
   int n, first;
   double *x, *force, *dilatancy, *increment, *iterations, *residual, *acoustic;
-  int *mark, *jump; /* colours: 2 a packing jumped in the increment, 3 it was cut; jump: the first alone */
+  int *mark, *jump; /* colours: 2 an instability in the increment, 3 it was bisected; jump: the first alone */
   double *memory;
 } columns;
 
@@ -35,7 +35,7 @@ static gh_status take_columns(report *r, columns *c) {
   return GH_OK;
 }
 
-/* y over the driven displacement (or the load steps), increments with jumps marked. */
+/* y over the driven displacement (or the load steps), increments with instabilities marked. */
 static void over_path(report *r, const columns *c, const char *title, const char *y_label, const double *y) {
   int first = c->first;
   report_chart chart = {
@@ -45,7 +45,7 @@ static void over_path(report *r, const columns *c, const char *title, const char
       .first = first,
       .line = NAN,
       .nseries = 1,
-      .mark_names = {"increment", "a packing jumped in it"},
+      .mark_names = {"increment", "with an instability"},
       .series = {{.n = c->n - first, .x = c->x + first, .y = y + first, .mark = c->jump + first}}};
   for (int k = first; k < c->n; k++)
     if (c->jump[k]) chart.nmarks = 2;
@@ -60,7 +60,7 @@ static void draw_iterations(report *r, const columns *c) {
                         .line = NAN,
                         .nseries = 1,
                         .nmarks = 3,
-                        .mark_names = {"straight", "with a jump of a packing", "cut in parts"},
+                        .mark_names = {"in one substep", "with an instability", "bisected"},
                         .series = {{.n = c->n, .x = c->increment, .y = c->iterations, .mark = c->mark}}};
   report_draw_chart(r->out, &chart);
 }

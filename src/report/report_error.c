@@ -59,7 +59,7 @@ static gh_status take(report *r, errors *e) {
 }
 
 static void draw_defect(report *r, const errors *e) {
-  report_chart chart = {.title = "Energy defect",
+  report_chart chart = {.title = "Energy imbalance",
                         .x_label = "increment",
                         .y_label = "over the largest work so far",
                         .line = NAN,
@@ -105,15 +105,15 @@ static void tell_defects(report *r) {
   }
   gh_text_print(
       r->out,
-      "<p>Residuals of all converged parts: at most %.1e of the forces (body) and %.1e of the mean "
-      "contact force (packings). Energy defect at the end %.1e: the work of the stress on the "
+      "<p>Residuals of all converged substeps: at most %.1e of the forces (body) and %.1e of the mean "
+      "contact force (packings). Energy imbalance at the end %.1e: the work of the stress on the "
       "deformation, by the trapezoidal rule, less what the packings have stored and dissipated, over "
       "the largest work. A smooth path leaves the error of the sums there, of second order in the "
       "increments (of first with friction); what stays with finer increments is energy that packings "
-      "lost when their grains rearranged. Outer and inner work differ by %.1e",
+      "lost when their grains rearranged. External and internal work differ by %.1e",
       error(r, "residual"), error(r, "micro_residual"), error(r, "energy_defect"), error(r, "work_defect"));
   if (error(r, "freed_in_jumps") != 0)
-    gh_text_print(r->out, ", apart from an energy of %.3g that was set free in jumps",
+    gh_text_print(r->out, ", apart from an energy of %.3g that was released at instabilities",
                   error(r, "freed_in_jumps"));
   gh_text_print(r->out, ".</p>\n");
 }

@@ -66,14 +66,13 @@ gh_status report_convergence(report *r) {
     return GH_OK;
   }
   gh_text_print(
-      out,
-      "<p class=\"soft\">One row per attempt at an increment or a part of it. Residuals of the iterations "
-      "over the first of the attempt; \xe2\x80\x9c"
-      "at the end\xe2\x80\x9d over the forces, which has to "
-      "come below the tolerance. Attempts that missed it are grey: the increment was then cut, or went on "
-      "beyond a jump.</p>\n");
+      out, "<p class=\"soft\">One row per attempt at an increment or a substep. Residuals of the iterations "
+           "over the first of the attempt; \xe2\x80\x9c"
+           "at the end\xe2\x80\x9d over the forces, which has to "
+           "come below the tolerance. Attempts that missed it are grey: the increment was then bisected, "
+           "or the instability stepped over.</p>\n");
   gh_text_print(out, "<div class=\"scroll\" tabindex=\"0\"><table "
-                     "id=\"residuals\"><thead><tr><th>increment</th><th>part</th>"
+                     "id=\"residuals\"><thead><tr><th>increment</th><th>substep</th>"
                      "<th>converged</th><th>iterations</th><th>at the end</th>");
   for (int k = 0; k < SHOWN; k++)
     gh_text_print(out, "<th>%s</th>", k == SHOWN - 1 ? "\xe2\x80\xa6 last" : (char[2]){(char)('0' + k), 0});

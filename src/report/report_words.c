@@ -69,7 +69,7 @@ static void tell_outcome(report *r) {
   end(r);
 }
 
-/* "3 cuts", "1 cut". */
+/* "3 bisections", "1 bisection". */
 static void count(report *r, double n, const char *what) {
   gh_text_print(r->out, "%.0f %s%s", n, what, n == 1 ? "" : "s");
 }
@@ -88,23 +88,24 @@ static void list_increments(report *r, const char *column) {
 static void tell_jumps(report *r) {
   double jumps = sum(r, "jumps"), cuts = sum(r, "cuts");
   if (jumps == 0) {
-    begin(r, "good", cuts > 0 ? "No jumps" : "No jumps, no cuts");
-    if (cuts == 0) gh_text_print(r->out, "Each increment was solved in one part.");
+    begin(r, "good", cuts > 0 ? "No instabilities" : "No instabilities, no bisections");
+    if (cuts == 0) gh_text_print(r->out, "Each increment was solved in one substep.");
     else {
-      count(r, cuts, "cut");
+      count(r, cuts, "bisection");
       gh_text_print(r->out, ", in ");
       list_increments(r, "cuts");
       gh_text_print(r->out, ".");
     }
   } else {
-    begin(r, "warn", "Packings jumped");
-    count(r, jumps, "jump");
+    begin(r, "warn", "Instabilities were stepped over");
+    gh_text_print(r->out, "%.0f instabilit%s", jumps, jumps == 1 ? "y" : "ies");
     gh_text_print(r->out, ", in ");
     list_increments(r, "jumps");
-    gh_text_print(r->out,
-                  ": the path is not continuous there, and the state after a jump is one of several that "
-                  "the body could have come to. ");
-    count(r, cuts, "cut");
+    gh_text_print(
+        r->out,
+        ": the path is not continuous there, and the state after an instability is one of several that "
+        "the body could have come to. ");
+    count(r, cuts, "bisection");
     gh_text_print(r->out, ".");
   }
   end(r);
@@ -160,11 +161,12 @@ static void tell_accepted(report *r) {
   const double n = report_run_number(r, (const char *const[]){"summary", "farm", "accepted", NULL}),
                residual = report_run_number(r, (const char *const[]){"error", "micro_residual", NULL});
   if (!(n > 0)) return;
-  begin(r, "warn", "Packings out of balance");
-  gh_text_print(r->out,
-                "In %.0f evaluations a packing was taken as it was when its relaxation steps were spent, as "
-                "the scene allows (<code>micro.accept</code>).",
-                n);
+  begin(r, "warn", "Packings accepted unconverged");
+  gh_text_print(
+      r->out,
+      "In %.0f evaluations a packing was accepted unconverged when its relaxation steps were spent, "
+      "as the scene allows (<code>micro.accept</code>).",
+      n);
   if (isfinite(residual))
     gh_text_print(r->out, " The largest residual of a packing in an equilibrium of the body is %.2g.",
                   residual);
@@ -184,7 +186,7 @@ static void tiles(report *r) {
   snprintf(text, sizeof text, "%.0f", sum(r, "iterations"));
   tile(r, text, "macro iterations");
   snprintf(text, sizeof text, "%.0f / %.0f", sum(r, "cuts"), sum(r, "jumps"));
-  tile(r, text, "cuts / jumps");
+  tile(r, text, "bisections / instabilities");
   snprintf(text, sizeof text, "%d", lost_at(r, r->n - 1));
   tile(r, text, "points not elliptic");
   snprintf(text, sizeof text, "%d \xc3\x97 %.0f", r->np,

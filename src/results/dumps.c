@@ -3,8 +3,8 @@
  *
  * A frame is put together in memory, appended by one write and fsynced. A write that fails is taken back; one
  * that is cut by a kill leaves a part of one frame at the end. Whatever follows the last whole frame of an
- * earlier increment is cut off before the next frame, so that a run that goes on also replaces what a killed
- * one left. */
+ * earlier increment is cut off before the next frame, so that a run that continues also replaces what a
+ * killed one left. */
 #include "results/results.h"
 
 #include <dirent.h>
@@ -165,7 +165,7 @@ void gh_dump_grains(gh_text *out, long step, const gh_rve_view *view) {
   grains_print(out, step, view, &b);
 }
 
-/* Force on the first grain, its parts along -n (pressing) and along t, n turned by +90 degrees. */
+/* Force on the first grain, its parts along -n (pressing) and along t, n rotated by +90 degrees. */
 static void contact_print(gh_text *t, const gh_rve_view *v, const box *b, int k) {
   const gh_contact *c = v->contacts + k;
   double x[2], l[2], f[2], length = hypot(c->l[0], c->l[1]);

@@ -87,7 +87,7 @@ static gh_status trace_put(gh_results *r, gh_h5 *file, int point, int counter) {
   char name[64];
   GH_TRY(r->solver->inspect(r->solver->data, point, &v, &m));
   if (!m) return GH_OK;
-  bool there = counter > 0; /* a run that goes on from a checkpoint may have written further than that */
+  bool there = counter > 0; /* a run that continues from a checkpoint may have written further than that */
   for (int k = counter; there; k++) {
     snprintf(name, sizeof name, "/trace/%04d/step%04d", point, k);
     GH_TRY(gh_h5_remove(file, name, &there));

@@ -103,7 +103,7 @@ static void explain_micro(const gh_scene *s, gh_text *out) {
                   s->micro.tolerance);
   if ((relaxes || turns) && s->micro.accept > 0)
     gh_text_print(
-        out, "                  after %ld steps taken as it is, if no force out of balance is above %g\n",
+        out, "                  after %ld steps accepted unconverged, if no unbalanced force is above %g\n",
         gh_rve_step_limit(&s->micro), s->micro.accept);
   explain_left_out(s, relaxes, turns, out);
 }
@@ -149,10 +149,9 @@ static void explain_solver(const gh_scene *s, gh_text *out) {
     gh_text_print(out, " below the largest of %d residuals", s->solver.memory);
   gh_text_print(out, ", tolerance %g, at most %d iterations\n", s->solver.tolerance,
                 s->solver.max_iterations);
-  gh_text_print(
-      out,
-      "                  an increment that fails is halved up to %d times; jumps of the packings are %s\n",
-      s->solver.cut_steps, s->solver.pass_jumps ? "passed and counted" : "not passed");
+  gh_text_print(out,
+                "                  an increment that fails is halved up to %d times; instabilities are %s\n",
+                s->solver.cut_steps, s->solver.pass_jumps ? "stepped over and counted" : "not stepped over");
   if (s->at_once > 1)
     gh_text_print(
         out,
@@ -163,14 +162,14 @@ static void explain_solver(const gh_scene *s, gh_text *out) {
 }
 
 static void explain_error(const gh_scene *s, gh_text *out) {
-  gh_text_print(out,
-                "error             residuals and energy defect of each increment, at no cost worth naming\n");
+  gh_text_print(
+      out, "error             residuals and energy imbalance of each increment, at no cost worth naming\n");
   if (!s->estimate) return;
   gh_text_print(
       out,
       "                  estimate by step doubling: each increment once more in two halves from the same "
       "state, from\n"
-      "                  which the run goes on: about three times the time, twice the memory for states; "
+      "                  which the run continues: about three times the time, twice the memory for states; "
       "%s\n",
       s->micro.law.friction ? "differences of first order add up (friction)"
                             : "differences are round-off or branches (frictionless)");
@@ -258,11 +257,12 @@ static void print_estimate(const gh_run_estimate *q, gh_text *out) {
 
 static void print_error(const gh_run_summary *m, gh_text *out) {
   const gh_energy *e = &m->energy;
-  gh_text_print(out,
-                "residuals at most %.1e (macro) and %.1e (packings); energy defect %.1e, work defect %.1e of "
-                "the largest work",
-                e->residual, e->micro_residual, gh_energy_defect(e), gh_work_defect(e));
-  if (e->freed != 0) gh_text_print(out, "; %.2g of it were set free in jumps", e->freed / e->largest);
+  gh_text_print(
+      out,
+      "residuals at most %.1e (macro) and %.1e (packings); energy imbalance %.1e, work imbalance %.1e of "
+      "the largest work",
+      e->residual, e->micro_residual, gh_energy_defect(e), gh_work_defect(e));
+  if (e->freed != 0) gh_text_print(out, "; %.2g of it were released at instabilities", e->freed / e->largest);
   gh_text_print(out, "\n");
   print_estimate(&m->estimate, out);
 }
@@ -275,10 +275,11 @@ static void print_progress(const gh_run_summary *m, gh_text *out) {
   else gh_text_print(out, "%d step%s", m->steps, GH_S(m->steps));
   if (m->step > 0)
     gh_text_print(out, ", and %d of %d increment%s of step %d; in all", m->done, m->of, GH_S(m->of), m->step);
-  gh_text_print(
-      out, "%s %d increment%s, %d iteration%s in %d part%s; %d cut%s, %d jump%s of packings passed\n",
-      m->step > 0 ? "" : ",", m->increments, GH_S(m->increments), m->iterations, GH_S(m->iterations),
-      m->substeps, GH_S(m->substeps), m->cuts, GH_S(m->cuts), m->jumps, GH_S(m->jumps));
+  gh_text_print(out,
+                "%s %d increment%s, %d iteration%s in %d substep%s; %d bisection%s, %d %s stepped over\n",
+                m->step > 0 ? "" : ",", m->increments, GH_S(m->increments), m->iterations,
+                GH_S(m->iterations), m->substeps, GH_S(m->substeps), m->cuts, GH_S(m->cuts), m->jumps,
+                m->jumps == 1 ? "instability" : "instabilities");
 }
 
 void gh_summary_print(const gh_run_summary *m, const char *folder, gh_text *out) {
@@ -302,10 +303,10 @@ void gh_summary_print(const gh_run_summary *m, const char *folder, gh_text *out)
         100 * (1 - (double)m->farm.computed / (double)m->farm.evaluations), m->farm.moved,
         GH_S(m->farm.moved), m->farm.states, GH_S(m->farm.states), m->points);
   if (m->farm.kept > 0)
-    gh_text_print(out, "in %ld evaluation%s relaxation went in circles until slip was kept\n", m->farm.kept,
-                  GH_S(m->farm.kept));
+    gh_text_print(out, "in %ld evaluation%s a limit cycle of the relaxation: intermediate history commits\n",
+                  m->farm.kept, GH_S(m->farm.kept));
   if (m->farm.accepted > 0)
-    gh_text_print(out, "in %ld evaluation%s a packing was taken as it was, out of balance (micro.accept)\n",
+    gh_text_print(out, "in %ld evaluation%s a packing was accepted unconverged (micro.accept)\n",
                   m->farm.accepted, GH_S(m->farm.accepted));
   if (m->farm.ranks > 1 && m->farm.longest > 0)
     gh_text_print(out,

@@ -73,7 +73,7 @@ struct gh_scene {
   gh_context *ctx;
   char *path, *text, *title, *length_unit, *force_unit;
   int noverrides;
-  char **override_key, **override_value; /* set in place of what `text` says */
+  char **override_key, **override_value; /* set in place of what `text` states */
   int npackings;                         /* different files */
   char **packing_paths;
   gh_packing **packings;

@@ -318,7 +318,7 @@ static gh_status check_releases(gh_scene *s, const scene_step *step) {
   return GH_OK;
 }
 
-/* Without a held node in x and in y the body is free to fly away; the rest of singularity shows in the first
+/* Without a fixed node in x and in y the body is free to fly away; the rest of singularity shows in the first
  * factorisation. */
 static gh_status check_supports(gh_scene *s, int line, const char *name) {
   for (int i = 0; i < 2; i++) {

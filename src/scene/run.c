@@ -15,7 +15,7 @@ typedef struct run {
   gh_loads *loads;
   scene_output output;
   gh_lock *lock;         /* of the folder */
-  gh_run_summary sum;    /* of this run and those that it goes on from, without the following: */
+  gh_run_summary sum;    /* of this run and those that it continues from, without the following: */
   gh_run_summary before; /* cost, farm and seconds up to the checkpoint that was read */
   double begin;
   double **begin_u; /* nsteps + 1: displacements when each step began */
@@ -49,7 +49,7 @@ static gh_status tell_stop(run *r) {
   return gh_fail(
       r->ctx, GH_STOPPED,
       "stopped on request at increment %d of %d of step '%s'; what was done before is complete on disk, and "
-      "--restart goes on from there",
+      "--restart continues from there",
       r->increment, gh_scene_increments(r->scene, r->step), gh_scene_step_name(r->scene, r->step));
 }
 
@@ -72,7 +72,7 @@ static void tell_increment(run *r, const gh_macro_report *report) {
   const int unjammed = r->output.unjammed;
   gh_macro_volumes(r->macro, &V, &v);
   gh_log(r->ctx, GH_LEVEL_INFO,
-         "%s %d/%d done: %d iteration%s in %d part%s, residual %.1e, dilatancy %.4g %%, smallest acoustic "
+         "%s %d/%d done: %d iteration%s in %d substep%s, residual %.1e, dilatancy %.4g %%, smallest acoustic "
          "eigenvalue %.3g, %.2f s (%.2f s micro)",
          gh_scene_step_name(r->scene, r->step), r->increment, gh_scene_increments(r->scene, r->step),
          report->iterations, GH_S(report->iterations), report->substeps, GH_S(report->substeps),
@@ -143,7 +143,7 @@ static gh_status replay(run *r) {
   return GH_OK;
 }
 
-/* *resumed: the run goes on behind r->step, r->increment. */
+/* *resumed: the run continues behind r->step, r->increment. */
 static gh_status resume(run *r, bool *resumed) {
   *resumed = false;
   if (!r->options || !r->options->restart || !r->folder) return GH_OK;
@@ -158,7 +158,7 @@ static gh_status resume(run *r, bool *resumed) {
   r->sum = r->before = at.sum;
   r->counter++;
   GH_TRY(replay(r));
-  gh_log(r->ctx, GH_LEVEL_INFO, "going on behind increment %d of %d of step '%s'", r->increment,
+  gh_log(r->ctx, GH_LEVEL_INFO, "continuing behind increment %d of %d of step '%s'", r->increment,
          gh_scene_increments(r->scene, r->step), gh_scene_step_name(r->scene, r->step));
   return GH_OK;
 }

@@ -5,7 +5,7 @@
  *
  * Each packing grows from points to a volume fraction short of jamming; all of that is in the time, which is
  * the processor's. Leaves and checks are the other events of the queue, new lists and predictions that are
- * made anew, per collision: collisions compare the same work only where these agree. The last columns are the
+ * rebuilt, per collision: collisions compare the same work only where these agree. The last columns are the
  * time per collision and per event over log2 of the number of grains: the latter must not rise with that
  * number. */
 #include "granhom/packing.h"

@@ -47,7 +47,7 @@ static void length_does_not_matter(void **state) {
 }
 
 /* One path of 40 increments for a law, in both engines: they agree, and forces and moments balance. False:
- * some increment has no equilibrium that was found, and the message says where and what was missing. */
+ * some increment has no equilibrium that was found, and the message states where and what was missing. */
 static bool path_of(gh_context *ctx, const gh_packing *p, gh_boundary b, gh_contact_law law, double s[4],
                     double *worst, double limit) {
   enum { STEPS = 40 };
@@ -130,8 +130,8 @@ static void friction_angle(void **state) {
   gh_packing_destroy(&p);
 }
 
-/* A hundredth of a degree: loose grains creep on contacts that slide. Whatever answers is right, the rest is
- * refused. */
+/* A hundredth of a degree: floating grains creep on contacts that slide. Whatever answers is right, the rest
+ * is refused. */
 static void almost_no_friction(void **state) {
   gh_context *ctx = *state;
   gh_packing *p = case_packing(ctx, "p50d");
@@ -148,8 +148,8 @@ static void almost_no_friction(void **state) {
   gh_packing_destroy(&p);
 }
 
-/* One grain that touches its own images, sheared: a closed form. The grain turns until the couples of its two
- * contacts balance. */
+/* One grain that touches its own images, sheared: a closed form. The grain rotates until the couples of its
+ * two contacts balance. */
 static void one_grain_sheared(void **state) {
   const double r = 0.502, E = 10, F[4] = {0.99, 0.004, 0, 0.985}, straight[4] = {0.99, 0, 0, 0.985},
                x[2] = {0.3, 0.1}, radius[1] = {0.502};

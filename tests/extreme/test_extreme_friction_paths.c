@@ -68,7 +68,7 @@ static cycling cycle(gh_context *ctx, const gh_packing *p, gh_boundary b, double
 }
 
 /* Sheared to and fro a packing shakes down, but what it keeps creeps: slip is counted backward (7.5), with
- * the length of the contact at the begin of the increment, and going there and back leaves a rest of second
+ * the length of the contact at the start of the increment, and going there and back leaves a rest of second
  * order in the increment. Half the increments, half the creep. */
 static void reversals(void **state) {
   enum { FEW = 25, MANY = 5000 };
@@ -110,7 +110,8 @@ static gh_status go_to(gh_rve *rve, const double F[4], int cuts, double P[4], in
 }
 
 /* Shear to 2 in steps of a two-hundredth, in which LAMMPS's cell changes its lattice vectors four times. The
- * engines agree until slip is kept: where in a circle that was is decided by round-off. */
+ * engines agree until an intermediate history commit: where in a limit cycle that was is decided by
+ * round-off. */
 static void shear_to_two(void **state) {
   enum { STEPS = 400 };
   gh_context *ctx = *state;

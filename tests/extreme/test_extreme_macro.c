@@ -99,8 +99,8 @@ static gh_packing *triangular(gh_context *ctx) {
   return make_packing(ctx, 2, cell, radius, x);
 }
 
-/* Elements a thousand times as wide as high, and as high as wide, under pressures: dead pressures p and q
- * give P11 = P11_0 - p and P22 = P22_0 - q everywhere. */
+/* Elements a thousand times as wide as high, and as high as wide, under pressures: dead-load pressures p and
+ * q give P11 = P11_0 - p and P22 = P22_0 - q everywhere. */
 static void slender_elements(void **state) {
   static const double width[] = {1, 1000, 1e-3, 1};
   const double p = 3e-3, q = 2e-3;

@@ -4,7 +4,7 @@
 drive.py GRANHOM LIBRARY CASE KIND FLAVOUR [--sample N SEED] [--point K]
 
 Each point: no crash, no hang; exit 0 with the files of the undisturbed run, or exit 1 with one message, with
-what was on disk before still there or complete, and nothing temporary left. Commands that can go on then do
+what was on disk before still there or complete, and nothing temporary left. Commands that can continue then do
 so and give the files of the undisturbed run. Prints what failed, and a last line for the table of run.sh.
 SPDX-License-Identifier: GPL-2.0-or-later
 """
@@ -63,7 +63,7 @@ RVE = "rve p.data --path path.csv --boundary restricted --friction-angle 20 -o o
 
 
 class Case:
-    """words: the command; before: what makes its folder; again: the command that goes on after a failure; old: results that an
+    """words: the command; before: what makes its folder; again: the command that continues after a failure; old: results that an
     earlier command has left, each of which stays or is replaced as a whole (or by its first lines)."""
 
     def __init__(self, words, before=(), again=None, old=(), ranks=1, half=False):
@@ -129,7 +129,7 @@ class Server:
 
 
 class Ranks:
-    """granhom under mpirun; the point is one of the given rank. What goes on afterwards is one process (Server): several times faster,
+    """granhom under mpirun; the point is one of the given rank. What continues afterwards is one process (Server): several times faster,
     and the results are those of any number of ranks."""
 
     def __init__(self, granhom, library, words, folder, ranks, rank):
@@ -224,7 +224,7 @@ def hdf5_pieces(data):
 
 
 def pieces(name, data):
-    """What is compared one by one. What a study says about the cheapest setting depends on seconds: its end alone."""
+    """What is compared one by one. What a study states about the cheapest configuration depends on seconds: its end alone."""
     if name.endswith("study.md"):
         return data.split(b"\n")[-2:]
     if b"\x89HDF\r\n" in data[:4096]:

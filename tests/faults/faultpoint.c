@@ -7,7 +7,7 @@
  * and no caller can change that. The calls are in faultcalls.c.
  *
  * The library is a server: its constructor runs before main(), reads one order per line from descriptor
- * FAULT_FD and forks a child for each, which goes on into main(). So the dynamic linker works once for
+ * FAULT_FD and forks a child for each, which continues into main(). So the dynamic linker works once for
  * thousands of runs. Order: FOLDER KIND FLAVOUR POINT SECONDS; the child works in FOLDER, its output goes to
  * FOLDER.out and FOLDER.err. Answer, on the same descriptor: status (128 + signal; 124 for the time limit),
  * points, whether the point was met, and what it was. POINT 0 counts the points, -1 writes FOLDER.paths too.

@@ -51,7 +51,7 @@ typedef struct fault_state {
 } fault_state;
 extern fault_state fault;
 
-/* Finds the code of granhom and of the libraries anew. */
+/* Finds the code of granhom and of the libraries again. */
 void ranges_find(void);
 caller caller_of(const void *address);
 

@@ -30,7 +30,7 @@ char *fuzz_text(const uint8_t *data, size_t size);
  * worked in. */
 const char *fuzz_folder(const char *folder);
 
-/* What the seal at the begin of a file of ours says of its kind. */
+/* What the seal at the start of a file of ours states of its kind. */
 void fuzz_kind(const char *path, char kind[40]);
 
 /* Changes to an HDF5 file of ours, as the bytes say: datasets removed, replaced by others of another type,

@@ -49,7 +49,7 @@ static void file_cut(const uint8_t *data) {
   if (truncate(files[data[0] % 6], data[1] + 256L * data[2]) != 0) return;
 }
 
-/* Where the content's own sum is all that is wrong, it is put right: the message says what it must be. */
+/* Where the content's own sum is all that is wrong, it is put right: the message states what it must be. */
 static bool sum_mend(gh_context *ctx) {
   static const char words[] = "its content gives ";
   const char *at = strstr(gh_message(ctx), words);

@@ -11,7 +11,7 @@
 static const char *const names[] = {"boundary",  "law",   "packing/cell", "packing/radius",
                                     "packing/x", "state", "packing",      NULL};
 
-/* An RVE that has read a state gives a stress, or says why not. */
+/* An RVE that has read a state gives a stress, or states why not. */
 static void state_use(gh_context *ctx, gh_rve *rve) {
   static const double F[4] = {0.9999, 0, 0, 1};
   double P[4] = {0};

@@ -190,7 +190,7 @@ class Driver:
             return child.communicate()
 
     def judge(self, t, code, err, before):
-        # An allocation beyond the limit of these runs fails as it would elsewhere; the sanitizer says that it did.
+        # An allocation beyond the limit of these runs fails as it would elsewhere; the sanitizer states that it did.
         err = re.sub(r"^==\d+==WARNING: AddressSanitizer failed to allocate.*$", "", err, flags=re.M)
         if re.search(r"Sanitizer|runtime error:", err):
             t.wrong = "a report of a sanitizer"
@@ -222,7 +222,7 @@ class Driver:
             with open(path, newline="") as f:
                 rows = list(csv.DictReader(f))
             if self.kind == "study":
-                continue  # settings without a result have empty or nan errors
+                continue  # configurations without a result have empty or nan errors
             limit = self.limit(t, path)
             for row in rows:
                 residual = row.get("residual")

@@ -195,7 +195,7 @@ bad 'two grains at one place' 'bad.data: grains 1 and 2 are at one place'
 packing 's/^.*xlo xhi/0 1e-9 xlo xhi/'
 bad 'a cell far too small for its grains' 'bad.data: the grains fill the cell .* times'
 packing 's/^150 atoms/150000 atoms/'
-bad 'fewer grains than the header says' 'bad.data:[0-9]+: 150 atoms, but the header .* says 150000'
+bad 'fewer grains than the header states' 'bad.data:[0-9]+: 150 atoms, but the header .* states 150000'
 packing '12s/ 1 / 7 /'
 bad 'a type beyond the number of types' "bad.data:12: type '7'"
 echo 'packing: .' | scene packing >scene.yaml
@@ -251,7 +251,7 @@ solver: {method: magic}
 E
 bad 'a solver that does not exist' 'scene.yaml:[0-9]+: .*magic.*newton'
 
-# A packing without contacts is none of these: it is computed, and the failure says which points carry nothing
+# A packing without contacts is none of these: it is computed, and the failure states which points carry nothing
 awk 'NF == 7 && $4 == 1 { $3 *= 0.2 } { print }' ok.data >bad.data
 echo 'packing: bad.data' | scene packing >scene.yaml
 "$granhom" run scene.yaml -o loose --quiet >log 2>err; code=$?

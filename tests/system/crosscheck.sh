@@ -33,7 +33,7 @@ if [ $liggghts ]; then
   check "LIGGGHTS agrees to what the residual leaves" below "$(worst plain/crosscheck.csv liggghts_d11 liggghts_d22 liggghts_d12)" 1e-7
 else
   echo "skip - no liggghts"
-  check "LIGGGHTS is told as missing" grep -Eq '^LIGGGHTS hooke/stiffness +missing +- ' table
+  check "LIGGGHTS is reported as missing" grep -Eq '^LIGGGHTS hooke/stiffness +missing +- ' table
 fi
 check "residuals are met" below "$(worst plain/crosscheck.csv lammps_residual native_residual gran_residual)" 1.0000001e-10
 "$granhom" rve "$packing" --engine native --normal-stiffness 1000 --tolerance 1e-10 --path path.csv -o rve.csv 2>/dev/null
@@ -51,7 +51,7 @@ check "a line for each number of parts" test "$(column mu/refine.csv parts | tr 
 check "the first line is the path as given" test "$(printf '%.1e' "$(column mu/refine.csv gran_difference | sed -n 1p)")" = "$(printf '%.1e' "$difference")"
 check "both change by less with smaller increments" awk -F, 'NR == 1 { for (c = 1; c <= NF; c++) at[$c] = c; next }
   NR == 3 { n = $at["native_change"]; g = $at["gran_change"] } NR == 4 { exit !($at["native_change"] < 0.7 * n && $at["gran_change"] < 0.7 * g && $at["gran_change"] > 0) }' mu/refine.csv
-check "the orders are told" grep -q '^Change of each from half as many substeps' table
+check "the orders are reported" grep -q '^Change of each from half as many substeps' table
 
 # --- shear and rotation: LIGGGHTS cannot, and that is no agreement ---
 cross --path shear.csv -o shear --liggghts /bin/true >table 2>said
@@ -118,5 +118,5 @@ o="--path ../path.csv -o out"
   sed -e 's/^50 atoms/1 atoms/' -e '/^[2-9] 1 /d' -e '/^[1-5][0-9] 1 /d' -e 's/-0.436[0-9]* 0.436[0-9]*/-0.1 0.1/' "$p" >tiny.data
   refused "a cell of one grain" "the programs to compare with need twice the largest diameter" ../tiny.data $o
 }
-check "help tells the options" sh -c "'$granhom' help crosscheck | grep -q -- --increment-steps"
+check "help lists the options" sh -c "'$granhom' help crosscheck | grep -q -- --increment-steps"
 exit $bad

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Commands of the documents: blocks of README, tutorial and how-to that are marked as `sh` run as they stand, page by page, with
-# granhom in the PATH, and leave what the page says; scenes of the pages are read. SPDX-License-Identifier: GPL-2.0-or-later
+# granhom in the PATH, and leave what the page states; scenes of the pages are read. SPDX-License-Identifier: GPL-2.0-or-later
 set -u
 . tests/shell.sh
 if [ -n "${SANITIZED:-}" ] || ! "${BUILD:-build}/granhom" --version | grep -q 'MPI yes'; then
@@ -32,7 +32,7 @@ run() {
 granhom run scenes/block/p02_taylor.yaml -o demo --quiet 2>err # in the place of `make demo`, and in a second
 run README.md demo/report.html sand.data sand.png biaxial.csv
 run docs/tutorial.md mysand/sand.png mysand/biaxial.png mysand/out/report.html mysand/out/mesh.png
-# what the tutorial says of its results
+# what the tutorial states of its results
 angle=$(awk -F, 'NR == 1 { for (k = 1; k <= NF; k++) c[$k] = k; next } { r = ($c["s11"] - $c["s22"]) / (-$c["s11"] - $c["s22"]); if (r > m) m = r }
   END { printf "%.3f", m }' mysand/biaxial.csv)
 if [ "$(awk "BEGIN { print ($angle > 0.46 && $angle < 0.52) }")" = 1 ]; then ok "tutorial: sine of the angle about 0.49"; else not_ok "tutorial: sine of the angle about 0.49" "$angle"; fi

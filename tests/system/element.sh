@@ -26,12 +26,12 @@ check "the columns are those of granhom rve and those of the control" test "$(he
   $columns,energy_t,dissipation,sliding,load_step,volume,pressure,iterations,parts,cuts,jumps,mismatch
 check "nothing to say where relaxation has come to its end" test "$(grep -c 'history commit\|accepted unconverged' said)" = 0
 element --control biaxial.yaml --friction-coefficient 0.3 --max-steps 30 --accept 1 --stress-tolerance 0.1 -o taken.csv >said 2>&1
-check "--accept takes a packing as it is, and each increment says so" test $? = 0 -a "$(grep -c 'step [1-9][0-9]*: accepted unconverged, with a residual of' said)" -ge 10
+check "--accept accepts a packing unconverged, and each increment reports it" test $? = 0 -a "$(grep -c 'step [1-9][0-9]*: accepted unconverged, with a residual of' said)" -ge 10
 awk 'BEGIN { print "F11,F12,F21,F22"; for (k = 1; k <= 240; k++) print "0.97," k / 200 ",0,0.97" }' >far.csv
 far() { "$granhom" "$1" "$root/tests/data/cases/packings/p20.data" --engine native --tangential-stiffness 0.8 --friction-angle 20 --tolerance 1e-11 \
   --path far.csv -o "$2" >said 2>&1; }
 check "sheared far" far element far_element.csv
-check "where slip was kept, it is said" grep -q 'step [1-9][0-9]*: limit cycle of the relaxation; [1-9][0-9]* intermediate history commit' said
+check "intermediate history commits are reported" grep -q 'step [1-9][0-9]*: limit cycle of the relaxation; [1-9][0-9]* intermediate history commit' said
 far rve far_rve.csv
 check "with F prescribed it is granhom rve" diff <(sed 1,2d far_element.csv | cut -d, -f2-9) <(sed 1d far_rve.csv | cut -d, -f2-9)
 check "consolidation ends at the pressure" table biaxial.csv \
@@ -110,7 +110,7 @@ element --control first.yaml --friction-angle 20 --engine lammps -o lammps.csv 2
 check "LAMMPS and the native engine agree" awk -F, 'FNR == 1 { next } NR == FNR { for (k = 2; k < 14; k++) a[FNR, k] = $k; next }
   { for (k = 2; k < 14; k++) if (($k - a[FNR, k]) ^ 2 > 1e-14) exit 1; rows++ } END { if (rows != 6) exit 1 }' native.csv lammps.csv
 cut -d, -f1-5 pressure.csv >path.csv
-check "no cuts, no jumps on this path" table pressure.csv 'v("parts") != 1 || v("jumps") { wrong = 1 }'
+check "no bisections, no instabilities on this path" table pressure.csv 'v("parts") != 1 || v("jumps") { wrong = 1 }'
 "$granhom" rve "$sand" --engine native --normal-stiffness 50 --friction-angle 20 --tolerance 1e-10 --path path.csv -o rve.csv 2>/dev/null
 check "granhom rve along F gives the same stresses and energies" diff <(cut -d, -f1-14 pressure.csv) <(cut -d, -f1-14 rve.csv)
 
@@ -137,7 +137,7 @@ END
 check "a state is saved" element --control first.yaml --friction-angle 20 --save-state state.h5 -o first.csv
 check "and loaded" element --control second.yaml --friction-angle 20 --load-state state.h5 -o second.csv
 # With friction, a state is the end of a step, and the start is an empty step from there: it differs a little.
-check "the test goes on from it" awk -F, 'FNR == 1 { next } NR == FNR { a[FNR] = $10; b[FNR] = $11; next }
+check "the test continues from it" awk -F, 'FNR == 1 { next } NR == FNR { a[FNR] = $10; b[FNR] = $11; next }
   FNR > 2 { if (($10 - a[FNR + 5]) ^ 2 > 4e-10 || ($11 - b[FNR + 5]) ^ 2 > 4e-10) exit 1; rows++ } END { if (rows != 8) exit 1 }' pressure.csv second.csv
 
 # --- more than the packing can carry ---

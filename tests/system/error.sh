@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# What a run says of its error: run.json, history.csv, the last lines, the report, granhom rve. SPDX-License-Identifier: GPL-2.0-or-later
+# What a run states of its error: run.json, history.csv, the last lines, the report, granhom rve. SPDX-License-Identifier: GPL-2.0-or-later
 set -u
 . "$(dirname "$0")/../shell.sh" # begin, not_ok, check
 begin
@@ -26,10 +26,10 @@ for name in smooth rough; do
   check "$name with an estimate runs" test $? = 0
 done
 "$granhom" run smooth.yaml -o smooth.plain >plain.said 2>/dev/null
-check "without an estimate the last lines tell residuals, defect, and how to get one" awk '
-  /^residuals at most .* \(macro\) and .* \(packings\); energy defect .*, work defect .* of the largest work$/ { n++ }
+check "without an estimate the last lines report residuals, imbalance, and how to get one" awk '
+  /^residuals at most .* \(macro\) and .* \(packings\); energy imbalance .*, work imbalance .* of the largest work$/ { n++ }
   /^no estimate of the error of the path: --estimate-error makes one/ { n++ } END { exit n != 2 }' plain.said
-check "with one they tell it" grep -q '^estimated error of the path: stress .* displacement .* force .* s for it$' rough.said
+check "with one they report it" grep -q '^estimated error of the path: stress .* displacement .* force .* s for it$' rough.said
 check "the screen shows the halves alone" test "$(grep -c 'shear 4/4  part [12]  iteration  0' rough.log)" = 2
 cat >numbers.py <<'E2'
 """Numbers of run.json and history.csv against each other and against what they have to be."""
@@ -63,7 +63,7 @@ for name in ("smooth", "rough"):
         assert fine != coarse and abs(fine / coarse - 1) < 10 * e["force"]
 E2
 check "the numbers fit each other" /usr/bin/python3 numbers.py
-check "--explain tells the price" sh -c "'$granhom' run rough.yaml --explain --estimate-error | grep -q 'about three times the time'"
+check "--explain states the price" sh -c "'$granhom' run rough.yaml --explain --estimate-error | grep -q 'about three times the time'"
 check "and nothing of it unasked" sh -c "! '$granhom' run rough.yaml --explain | grep -q doubling"
 check "help names the option" sh -c "'$granhom' help run | grep -q -- --estimate-error && '$granhom' help rve | grep -q -- --estimate-error"
 
@@ -82,9 +82,9 @@ fi
 if "$granhom" report rough -o page.html >said 2>&1; then
   check "the report has the section" grep -q '<h2 id="error">Error against run time' page.html
   check "with the estimate" grep -q 'Estimate by step doubling, largest of all increments' page.html
-  check "and its curves" test "$(grep -c 'Estimated error of the stress\|Estimated error at each increment\|<figcaption>Energy defect' page.html)" -ge 3
+  check "and its curves" test "$(grep -c 'Estimated error of the stress\|Estimated error at each increment\|<figcaption>Energy imbalance' page.html)" -ge 3
   "$granhom" report smooth.plain -o page.html >said
-  check "without an estimate it tells how to get one" grep -q -- '--estimate-error</code> makes one' page.html
+  check "without an estimate it states how to get one" grep -q -- '--estimate-error</code> makes one' page.html
 elif ! grep -q 'built without HDF5' said; then
   not_ok "the report is made" "$(cat said)"
 fi
@@ -100,7 +100,7 @@ step,F11,F12,F21,F22
 P
 rve() { "$granhom" rve "$packing" --engine native --normal-stiffness 1000 --path "$@"; }
 rve path.csv -o one.csv 2>said
-check "rve tells residual and energy defect at the end" sh -c "tail -n 1 said | grep -q '^largest residual .*; energy imbalance '"
+check "rve reports residual and energy imbalance at the end" sh -c "tail -n 1 said | grep -q '^largest residual .*; energy imbalance '"
 awk -F, 'NR == 1 { print; next } NR > 2 { for (k = 1; k < 4; k++) { printf "%d", 4 * (NR - 3) + k; for (c = 2; c <= 5; c++) printf ",%.17g", f[c] + k * ($c - f[c]) / 4; print "" } }
   { printf "%d", 4 * (NR - 2); for (c = 2; c <= 5; c++) { f[c] = $c; printf ",%s", $c } print "" }' path.csv >fine.csv
 check "a path of quarters has a sixteenth of it, where grains follow F" sh -c "

@@ -37,7 +37,7 @@ for how in run restart study crosscheck; do
   [ "$(cat code)" = 1 ] && grep -q "^granhom: out: process $runner on host $(hostname) writes into this folder (out/.lock)" err || { cat err; false; }
   say $? "$how in a folder that a run writes into: exit 1, process and host named"
 done
-rows=$(wc -l <out/history.csv); for _ in $(seq 200); do [ "$(wc -l <out/history.csv)" -gt "$rows" ] && break; sleep 0.05; done; [ "$(wc -l <out/history.csv)" -gt "$rows" ] && [ -z "$(ls out | grep study)" ]; say $? 'the first run goes on'
+rows=$(wc -l <out/history.csv); for _ in $(seq 200); do [ "$(wc -l <out/history.csv)" -gt "$rows" ] && break; sleep 0.05; done; [ "$(wc -l <out/history.csv)" -gt "$rows" ] && [ -z "$(ls out | grep study)" ]; say $? 'the first run continues'
 "$granhom" plot out -o pictures >/dev/null 2>err; [ -s pictures/mesh.png ]; say $? 'pictures can be drawn meanwhile'
 kill -9 $runner; wait $runner 2>/dev/null; runner=
 [ -e out/.lock ]; say $? 'a killed run leaves its lock file'
@@ -76,7 +76,7 @@ for name in results.h5 rves.h5; do
   "$granhom" report broken >/dev/null 2>err; [ $? = 2 ] && grep -q "broken/$name: is damaged" err && [ ! -e broken/report.html ]; say $? "a report of a damaged $name is refused"
   rm -r broken
 done
-head -n 1 out/results.h5 | grep -qa '^granhom binary file, format 1$'; say $? 'a file says what it is'
+head -n 1 out/results.h5 | grep -qa '^granhom binary file, format 1$'; say $? 'a file states what it is'
 /usr/bin/python3 - <<'P'
 import h5py, meshio
 with h5py.File("out/results.h5") as f:

@@ -57,7 +57,7 @@ assert abs(np.array([last["top_x"], last["top_y"]]) - force).max() < 1e-12
 first = {k: float(v) for k, v in rows[1].items() if k != "name"}
 assert first["footing_fy_top"] == 0 and first["footing_uy_top"] < 0 and abs(first["top_y"]) < 1e-9
 E
-  say $? "$boundary: the footing is rigid, forces and moments balance, and history.csv says the same"
+  say $? "$boundary: the footing is rigid, forces and moments balance, and history.csv states the same"
 done
 "$granhom" run "$work/taylor.yaml" --explain 2>&1 | grep -q "rigid footing on 'top'"
 say $? '--explain names the footing'

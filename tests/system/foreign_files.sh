@@ -82,7 +82,7 @@ same_rve 'a packing of style hybrid sphere' hybrid.data
 sed 's/^Atoms.*/Atoms # granular/; s/$/\r/; 1s/^/\xEF\xBB\xBF/' p150.data | tr ' ' '\t' | sed 's/^Atoms\t#\t/Atoms # /; s/\txlo\txhi/ xlo xhi/' >windows.data
 same_rve 'a packing of style granular with tabs, CR LF and a byte order mark' windows.data
 
-# the same packing turned by 30 degrees, its cell general triclinic: P turns with it
+# the same packing rotated by 30 degrees, its cell general triclinic: P turns with it
 awk -v CONVFMT=%.17g 'BEGIN { c = cos(atan2(0, -1) / 6); s = sin(atan2(0, -1) / 6) }
   /xlo xhi/ { x0 = $1; a = $2 - $1; next } /ylo yhi/ { y0 = $1; b = $2 - $1; next }
   /zlo zhi/ { print c * a " " s * a " 0 avec\n" (-s * b) " " c * b " 0 bvec\n0 0 1 cvec\n" (c * x0 - s * y0) " " (s * x0 + c * y0) " -0.5 abc origin"; next }

@@ -9,7 +9,7 @@ cp "$root/tests/data/cases/packings/p50.data" p.data
 
 # A path on which the packing comes apart: rows without contact forces to speak of are stress-free, the others in equilibrium. What
 # follows the first unjammed state hangs on the last bit: in the arithmetic of other compilers and of sanitizers the path may end earlier,
-# and says so.
+# and states so.
 "$granhom" rve "$friction/n100_p1e-3_s1.data" --path "$friction/p50old.csv" --engine native --friction-coefficient 0.5 --tangential-stiffness 0.2 \
   -o o.csv >said 2>&1
 code=$?

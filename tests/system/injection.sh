@@ -47,7 +47,7 @@ nothing_ran() { # NAME
   find . -name 'PWNED*' -delete
 }
 
-# ---- gnuplot as it is started: what it reads is kept, settings of the user are not read ----
+# ---- gnuplot as it is started: what it reads is kept, the user's configuration are not read ----
 
 mkdir bin home
 real=$(command -v gnuplot)

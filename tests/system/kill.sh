@@ -1,5 +1,5 @@
 #!/bin/sh
-# A run that is killed at any moment leaves the complete increments readable; a run that is asked to stop says so and ends with exit status 1.
+# A run that is killed at any moment leaves the complete increments readable; a run that is asked to stop states so and ends with exit status 1.
 # SPDX-License-Identifier: GPL-2.0-or-later
 set -u
 granhom=$(pwd)/${BUILD:-build}/granhom
@@ -62,7 +62,7 @@ stop() {
   [ $? = 1 ]; say $? "$2: a run that is asked to stop ($3) ends with exit status 1"
   took=$((($(date +%s%N) - asked) / 1000000))
   [ $took -lt 3000 ]; say $? "$2: it ends within 3 s ($took ms)"
-  [ "$(grep -c '^granhom: stopped on request at increment' "$work/err")" = 1 ]; say $? "$2: and says so, with the increment"
+  [ "$(grep -c '^granhom: stopped on request at increment' "$work/err")" = 1 ]; say $? "$2: and states so, with the increment"
   /usr/bin/python3 "$work/check.py" "$work/stop$2" stopped; say $? "$2: and leaves complete results"
 }
 stop "$work/long.yaml" taylor TERM

@@ -105,7 +105,7 @@ for change in 'velocity all set 0 0 0' 'reset_atom_ids' 'displace_atoms all move
   'set atom 2 image 1 NULL NULL' 'set group all image 3 -2 NULL' 'set atom 2 mass 7' 'reset_timestep 1000' 'balance 1.1 shift xy 5 1.1' 'write_restart r.x' \
   'change_box all triclinic' 'region far block 6 8 5 6 -2 2
 create_atoms 1 single 6 5 0' 'create_atoms 1 single 0.2 3 0'; do
-  two coulomb; more "$slide" 'run 1' "$change" 'run 0' "$tell"; right "slip is kept: ${change//$'\n'/; }" ecoul "$gamma2" 1e-5
+  two coulomb; more "$slide" 'run 1' "$change" 'run 0' "$tell"; right "slip stays: ${change//$'\n'/; }" ecoul "$gamma2" 1e-5
   two coulomb; more "$slide" 'run 1' "$change" 'run 2' "$tell"; right "  and in a run" ecoul "$gamma2" 1e-4
   case $change in velocity* | set*) ;; *) continue ;; esac
   two coulomb; more "$slide" 'run 1' "$change" 'run 2 pre no' "$tell"; right "  and with pre no" ecoul "$gamma2" 1e-4

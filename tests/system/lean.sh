@@ -1,5 +1,5 @@
 #!/bin/sh
-# What --explain says, and a build without MPI and without HDF5 (compiled here once, without optimisation).
+# What --explain states, and a build without MPI and without HDF5 (compiled here once, without optimisation).
 # SPDX-License-Identifier: GPL-2.0-or-later
 set -u
 granhom=${BUILD:-build}/granhom
@@ -165,14 +165,14 @@ say $code 'its C code names nothing of MPI or HDF5'
 ldd "$lean" | grep -q hdf5 && code=1 || code=0
 say $code 'it is not linked to HDF5'
 "$lean" --version >"$work/said" 2>&1
-grep -q 'MPI no' "$work/said" && grep -q 'HDF5 no' "$work/said"; say $? '--version says so'
+grep -q 'MPI no' "$work/said" && grep -q 'HDF5 no' "$work/said"; say $? '--version states so'
 
 printf '%s\ncontact: {normal_stiffness: 50}\nmicro: {boundary: taylor-cell}\n' "$head" >"$work/s.yaml"
 "$granhom" run "$work/s.yaml" -o "$work/full" >/dev/null 2>&1
 say $? 'a scene runs in the full build'
 "$lean" run "$work/s.yaml" -o "$work/out" >/dev/null 2>"$work/err"
 say $? 'the same scene runs without MPI and HDF5'
-grep -q 'built without HDF5' "$work/err"; say $? 'and says what is not written'
+grep -q 'built without HDF5' "$work/err"; say $? 'and states what is not written'
 [ "$(cd "$work/out" && echo *)" = 'convergence.csv history.csv run.json timing.csv' ]; say $? 'what is written is text'
 /usr/bin/python3 - "$work/full/history.csv" "$work/out/history.csv" <<'E'
 import csv, sys

@@ -133,7 +133,7 @@ fails() {
 rve() { ./elsewhere/granhom rve "$sand" --normal-stiffness 50 --path path.csv -o none.csv "$@"; }
 fails "without the module: exit 1, the places are named" 1 "$work/elsewhere/granhom-lammps.so" rve
 fails "granhom lammps without it" 1 "the LAMMPS engine cannot be loaded" ./elsewhere/granhom lammps -in none
-check "--version says so" grep -q '^LAMMPS cannot be used' <(./elsewhere/granhom --version)
+check "--version states so" grep -q '^LAMMPS cannot be used' <(./elsewhere/granhom --version)
 check "the native engine works without it" rve --engine native
 echo nonsense >elsewhere/granhom-lammps.so
 fails "a module that is none" 1 "$work/elsewhere/granhom-lammps.so" rve

@@ -52,9 +52,9 @@ assert [f["grains"] for f in run["files"]] == [20, 50, 50]
 E
 say $? 'run.json and results.h5 say what was shared, kept, and which packing is where'
 "$granhom" run list.yaml --explain >said 2>err
-grep -q '24, of 3 packings in turn' said && grep -q '24 points begin as 3 different RVEs' said; say $? '--explain tells packings and groups'
+grep -q '24, of 3 packings in turn' said && grep -q '24 points begin as 3 different RVEs' said; say $? '--explain states packings and groups'
 "$granhom" run drawn.yaml --explain --no-share >said 2>err
-grep -q 'drawn by the seed 5' said && grep -q 'each of the 24 points is computed' said; say $? '--explain tells the seed and that nothing is shared'
+grep -q 'drawn by the seed 5' said && grep -q 'each of the 24 points is computed' said; say $? '--explain states the seed and that nothing is shared'
 
 # wrong PACKING WORDS: refused with the line
 wrong() {
@@ -116,5 +116,5 @@ for _ in $(seq 200); do [ "$(wc -l 2>/dev/null <long/history.csv || echo 0)" -gt
 kill -TERM "$(cat pid.2)" # one rank alone: the others hear of it
 timeout 20 tail --pid=$job -f /dev/null; wait $job; code=$?
 [ $code = 1 ] && [ "$(grep -c '^granhom: stopped on request at increment' err)" = 1 ]; say $? 'SIGTERM to one rank ends all, with one message and exit 1'
-[ "$(/usr/bin/python3 -c 'import json; print(json.load(open("long/run.json"))["status"])')" = stopped ]; say $? 'and run.json says so'
+[ "$(/usr/bin/python3 -c 'import json; print(json.load(open("long/run.json"))["status"])')" = stopped ]; say $? 'and run.json states so'
 exit $bad

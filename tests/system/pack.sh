@@ -16,7 +16,7 @@ refuse() {
   "$granhom" pack "$@" -o never.data >said 2>&1
   local code=$?
   check "refused: $name" test $code = 2 -a ! -e never.data
-  check "  and it says so" grep -q -- "$words" said
+  check "  and it states so" grep -q -- "$words" said
 }
 # number FILE LABEL [N]: the N-th number (1) behind the label of a line
 number() { sed -n "s/^$2  *//p" "$1" | tr ' ' '\n' | grep -E '^[-+0-9.]' | tr -d , | sed -n "${3:-1}p"; }
@@ -34,8 +34,8 @@ END
 # --- hard packings ---
 pack --sieve sieve.csv --seed 3 -o hard.data >said
 check "a sieve curve gives a packing" test $? = 0 -a -s hard.data
-check "it says how dense it is" between 0.8 "$(number said 'volume fraction')" 0.92
-check "it says that its hull is full, or not" grep -Eq '^boundary grains  *[0-9]+ of 60, (not )?full: widest gap' said
+check "it states how dense it is" between 0.8 "$(number said 'volume fraction')" 0.92
+check "it states that its hull is full, or not" grep -Eq '^boundary grains  *[0-9]+ of 60, (not )?full: widest gap' said
 check "types are fractions, finest first, with their diameters" awk '
   /^Atoms/ { on = 1; next } on && NF { n[$2]++; d[$2] = $3 } END {
   exit !(n[1] == 14 && n[2] == 30 && n[3] == 16 && d[1] + 0 == 0.1 && d[2] + 0 == 0.125 && d[3] + 0 == 0.16) }' hard.data

@@ -92,7 +92,7 @@ go() {
     kill -$signal $pid 2>/dev/null
     wait $pid; code=$?
     [ $code = 0 ] && break
-    [ $code = 1 ] && grep -q '^granhom: stopped on request .*--restart goes on' err || break
+    [ $code = 1 ] && grep -q '^granhom: stopped on request .*--restart continues' err || break
     stops=$((stops + 1))
   done
   return $code
@@ -117,7 +117,7 @@ same estimated twice 'all files are those of the undisturbed run'
 go each INT --estimate-error --no-share --checkpoint-every 3; say $? "stopped by SIGINT and restarted $stops times, with a checkpoint each 3 increments, no sharing"
 same estimated each 'all files are those of the undisturbed run'
 "$granhom" run all.yaml -o estimated --restart --quiet 2>err
-[ $? = 2 ] && grep -q 'was made with another choice of --estimate-error' err; say $? 'going on without the estimate is refused'
+[ $? = 2 ] && grep -q 'was made with another choice of --estimate-error' err; say $? 'continuing without the estimate is refused'
 
 # --- the file itself ---
 "$granhom" run all.yaml -o term --quiet --restart 2>err; say $? 'restarting a complete run does nothing'
@@ -142,7 +142,7 @@ head -c 20000 whole/checkpoint.h5 >r/checkpoint.h5; refused 'r/checkpoint.h5: is
 : >r/checkpoint.h5; refused 'the file is empty' 'an empty file is refused'
 cp p50.data r/checkpoint.h5; refused 'is damaged, or no binary file of granhom' 'a file of another kind is refused'
 cp whole/results.h5 r/checkpoint.h5; refused 'holds a results 1 of granhom, wanted is a checkpoint 5' 'another HDF5 file is refused'
-fresh; rm r/results.h5; refused 'r/results.h5: No such file' 'missing results are told'
+fresh; rm r/results.h5; refused 'r/results.h5: No such file' 'missing results are reported'
 cat >flip.py <<'E'
 """flip.py FILE SEED: turns one random bit of the numbers."""
 import random, sys
@@ -173,7 +173,7 @@ done
 say $missed 'a checkpoint with a wrong bit is refused, ten times'
 fresh; rm r/checkpoint.h5
 "$granhom" run all.yaml -o r --quiet --restart 2>err; say $? 'without a checkpoint the run begins at the start'
-grep -q '^warning: there is no checkpoint' err; say $? 'and says so'
+grep -q '^warning: there is no checkpoint' err; say $? 'and states so'
 same whole r 'with the same result'
 for option in 0 x -1; do
   "$granhom" run all.yaml -o r --checkpoint-every $option 2>err

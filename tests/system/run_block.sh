@@ -9,7 +9,7 @@ failed=0
 say() { if [ "$1" = 0 ]; then echo "ok - $2"; else echo "not ok - $2"; failed=1; fi; }
 
 cat >"$work/distorted.yaml" <<E
-title: Distorted block under following pressure
+title: Distorted block under follower pressure
 packing: $cases/packings/p150.data
 contact: {normal_stiffness: 50}
 micro: {boundary: taylor}
@@ -87,7 +87,7 @@ with h5py.File(f"{results}/results.h5") as h5:
 sys.exit(bad)
 E
 /usr/bin/python3 "$work/compare.py" "$work/distorted" "$cases/macro/block_taylor_p02_distorted"
-say $? 'distorted mesh, following pressure: reactions, dilatancy, displacements, F and P of the reference to 1e-8'
+say $? 'distorted mesh, follower pressure: reactions, dilatancy, displacements, F and P of the reference to 1e-8'
 /usr/bin/python3 "$work/compare.py" "$work/gravity" "$cases/macro/gravity_taylor"
 say $? 'gravity in a step: reactions, dilatancy, displacements, F and P of the reference to 1e-8'
 
@@ -123,7 +123,7 @@ say $? 'the chosen material points are recorded, and no others'
 say $? 'granhom plot draws four pictures'
 cp -r "$work/distorted" "$work/before"
 "$granhom" run "$work/distorted.yaml" -o "$work/distorted" --quiet >"$work/log" 2>&1 && [ ! -s "$work/log" ]
-say $? 'a second run into the same folder says nothing when quiet'
+say $? 'a second run into the same folder states nothing when quiet'
 /usr/bin/python3 - "$work/before/results.h5" "$work/distorted/results.h5" <<'E'
 import sys
 import h5py

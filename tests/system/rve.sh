@@ -35,7 +35,7 @@ sed 's/step,//; s/^[0-9],//' path.csv | awk -F, 'BEGIN { OFS = "," } { print $4,
 native --path swapped.csv -o swapped_out.csv 2>/dev/null
 check "columns of the path are found by name, steps are counted" diff <(results out.csv) <(results swapped_out.csv)
 native --friction-angle 20 --path path.csv --max-steps 20 --accept 100 -o taken.csv >said 2>&1
-check "--accept takes a packing as it is, and says so" test $? = 0 -a "$(grep -c 'accepted unconverged, with a residual of' said)" = 3
+check "--accept accepts a packing unconverged, and reports it" test $? = 0 -a "$(grep -c 'accepted unconverged, with a residual of' said)" = 3
 for boundary in taylor taylor-cell restricted periodic; do
   check "boundary $boundary" native --boundary $boundary --path path.csv -o $boundary.csv
 done
@@ -73,7 +73,7 @@ check "the tangent has a row per increment and major symmetry" awk -F, 'NR > 1 {
   END { if (n != 4) exit 1 }' tangent.csv
 
 # --- dump ---
-frames() { # number of frames; fails unless each has as many atoms as it says, 13 words each
+frames() { # number of frames; fails unless each has as many atoms as it states, 13 words each
   awk '/^ITEM: TIMESTEP/ { if (n && left) exit 1; n++; want = "step"; next }
     want == "step" { if ($1 != n - 1) exit 1; want = ""; next }
     /^ITEM: NUMBER OF ATOMS/ { want = "number"; next }
@@ -90,7 +90,7 @@ for boundary in taylor periodic; do
   check "the dump of $boundary has a whole frame for each increment" test "$(frames $boundary.dump)" = 4
 done
 check "a cluster shows its replicas" test "$(sed -n 4p taylor.dump)" = 65
-check "a periodic cell is told with its tilt" grep -q '^ITEM: BOX BOUNDS xy xz yz pp pp pp' periodic.dump
+check "a periodic cell is written with its tilt" grep -q '^ITEM: BOX BOUNDS xy xz yz pp pp pp' periodic.dump
 printf 'units lj\natom_style sphere\ndimension 2\nboundary p p p\nread_data %s\nchange_box all triclinic\nread_dump periodic.dump 3 x y box yes replace yes format native\nprint "LX $(lx:%%.12g) XY $(xy:%%.12g) N $(atoms)"\n' "$packing" >read.in
 if command -v lmp >/dev/null; then
   lmp -in read.in -log none >lmp.out 2>&1
@@ -106,7 +106,7 @@ for boundary in taylor periodic; do
   native --boundary $boundary --path path.csv -o whole.csv 2>/dev/null
   native --boundary $boundary --path first.csv -o first_out.csv --save-state state.h5 2>/dev/null
   native --boundary $boundary --path second.csv -o second_out.csv --load-state state.h5 2>/dev/null
-  check "$boundary: saved and loaded, a path goes on to the last digit" diff <(results whole.csv | sed -n 4,5p) <(results second_out.csv | sed 1d)
+  check "$boundary: saved and loaded, a path continues to the last digit" diff <(results whole.csv | sed -n 4,5p) <(results second_out.csv | sed 1d)
 done
 
 # --- friction ---
@@ -114,7 +114,7 @@ rubbing() { native --friction-angle 20 --hardening 10 "$@"; }
 rubbing --path path.csv -o rub.csv --dump rub.dump 2>/dev/null
 check "friction adds its columns" test "$(head -n 1 rub.csv)" = "$columns,energy_t,dissipation,sliding"
 check "some contacts slide, and dissipate" awk -F, 'END {exit !($21 > 0 && $20 > 0 && $19 > 0)}' rub.csv
-# a cell that is sheared and turned by affine motion: box, image flags and cell give back F X, turned so that the first lattice
+# a cell that is sheared and rotated by affine motion: box, image flags and cell give back F X, turned so that the first lattice
 # vector lies along x
 printf 'step,F11,F12,F21,F22\n0,1,0,0,1\n1,1,1.3,0,1\n2,0.8,-1.1,0.6,0.9\n' >far.csv
 native --boundary taylor-cell --path far.csv -o far.out --dump far.dump 2>/dev/null
@@ -143,7 +143,7 @@ assert max(abs(x - y) for x, y in zip(a, b)) < 1e-9'
 rubbing --path first.csv -o first_out.csv --save-state rub.h5 2>/dev/null
 rubbing --path second.csv -o second_out.csv --load-state rub.h5 2>/dev/null
 numbers() { cut -d, -f1-17,19-21 "$1"; } # all but the seconds
-check "friction: saved and loaded, a path goes on to the last digit" diff <(numbers rub.csv | sed -n 4,5p) <(numbers second_out.csv | sed 1d)
+check "friction: saved and loaded, a path continues to the last digit" diff <(numbers rub.csv | sed -n 4,5p) <(numbers second_out.csv | sed 1d)
 
 /usr/bin/python3 -c 'import h5py; h5py.File("other.h5", "w")["x"] = [1.0]'
 
@@ -242,6 +242,6 @@ check "the message names the step" grep -q 'step 2: .*no equilibrium within 3 re
 check "the rows before are kept" test "$(cut -d, -f1 out.csv | tr '\n' ' ')" = "step 0 1 "
 check "so are tangents and frames" test "$(wc -l <tan.csv) $(frames a.dump)" = "3 2"
 check "no state is saved, nothing is left over" test ! -e no.h5 -a -z "$(ls ./*.tmp 2>/dev/null)"
-check "a full device is told, exit 1" sh -c "'$granhom' rve '$packing' --engine native --path path.csv >/dev/full 2>said; test \$? = 1 && test \$(grep -c ^granhom said) = 1"
-check "help tells the options" sh -c "'$granhom' help rve | grep -q -- --load-state"
+check "a full device is reported, exit 1" sh -c "'$granhom' rve '$packing' --engine native --path path.csv >/dev/full 2>said; test \$? = 1 && test \$(grep -c ^granhom said) = 1"
+check "help lists the options" sh -c "'$granhom' help rve | grep -q -- --load-state"
 exit $bad

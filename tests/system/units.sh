@@ -28,7 +28,7 @@ for engine in native lammps; do
   check "$engine: and warned of once, with the cause" test "$(warnings)" = 1 -a "$(grep -c 'above 0.05.*of the normal stiffness 50.*units' said.err)" = 1
   said 1 "$engine: a volume fraction above 1 stops" 'step 4: the packing: the volume fraction is 1.085' rve "$p" --path deep.csv --engine $engine --normal-stiffness 50 -o d.csv
   check "$engine: the rows before are on disk" test "$(rows d.csv)" = 5
-  said 0 "$engine: --allow-overlap goes on" '' rve "$p" --path deep.csv --engine $engine --normal-stiffness 50 --allow-overlap -o a.csv
+  said 0 "$engine: --allow-overlap continues" '' rve "$p" --path deep.csv --engine $engine --normal-stiffness 50 --allow-overlap -o a.csv
   check "$engine: all rows, without a warning" test "$(rows a.csv)" = 6 -a "$(warnings)" = 0
   check "$engine: rows of both are the same" sh -c "cut -d, -f1-17 a.csv | head -n 5 >a4; cut -d, -f1-17 d.csv | cmp - a4"
 done
@@ -36,7 +36,7 @@ for boundary in taylor taylor-cell restricted; do
   said 1 "$boundary: a volume fraction above 1 stops" 'above the limit' rve "$p" --path deep.csv --engine native --boundary $boundary -o d.csv
 done
 said 1 'allow-overlap with a number stops above it' ', above the limit 0.03, ' rve "$p" --path warned.csv --engine native --allow-overlap 0.03 -o d.csv
-said 0 'and goes on below it' '' rve "$p" --path warned.csv --engine native --allow-overlap=0.25 -o d.csv
+said 0 'and continues below it' '' rve "$p" --path warned.csv --engine native --allow-overlap=0.25 -o d.csv
 check 'without a warning' test "$(warnings)" = 0
 refused_by rve 'an allowed overlap that is negative' '--allow-overlap must be' "$p" --path ../warned.csv --allow-overlap=-1 -o out.csv
 said 0 'rve names the stiffness when it is the default' 'normal stiffness 1 (default' rve "$p" --path - --engine native -o d.csv <warned.csv
@@ -161,7 +161,7 @@ if command -v mpirun >/dev/null; then
   check 'two ranks without sharing: the same message' cmp message1 message2
 fi
 scene '50, allow_overlap: true' '{confinement: 0.01}' 'pressure: [{edge: right, to: 16}, {edge: top, to: 16}]'
-said 0 'allow_overlap: true goes on' '' run s.yaml -o r3
+said 0 'allow_overlap: true continues' '' run s.yaml -o r3
 
 # --- places that cannot be written to ---
 : >file

@@ -71,9 +71,9 @@ static void test_pressure(void **state) {
   gh_packing_destroy(&p);
 }
 
-/* Sheared by g, each grain turns until the tangential forces on it balance: all contacts have half the slip,
- * f_t = E_t g a/2, s12 = f_t/a, as long as f_t < mu f_n; then s12 = mu f_n/a. Normal forces on the turned
- * normals add f_n g/a. */
+/* Sheared by g, each grain rotates until the tangential forces on it balance: all contacts have half the
+ * slip, f_t = E_t g a/2, s12 = f_t/a, as long as f_t < mu f_n; then s12 = mu f_n/a. Normal forces on the
+ * turned normals add f_n g/a. */
 static void test_shear(void **state) {
   gh_context *ctx = *state;
   const double a = 0.9999, E = 1000, Et = 400, mu = 0.5, g[] = {0, 1e-5, 1e-3};

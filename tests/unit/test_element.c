@@ -247,7 +247,7 @@ static void test_jump(void **state) {
   double edge = confined(&bistable, 0.95, 0);
   for (int soft = 0; soft < 2; soft++) {
     material m = bistable;
-    m.jump = soft ? 0.1 : -0.1; /* soft: carries less beyond, so that it has to go on far */
+    m.jump = soft ? 0.1 : -0.1; /* soft: carries less beyond, so that it has to continue far */
     double wanted = soft ? edge - 0.01 : edge - 0.05;
     const double target[4] = {wanted, 1, 0, 0};
     gh_control *c = make_control(ctx, &m, 1e-10);

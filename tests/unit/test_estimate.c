@@ -181,23 +181,23 @@ static void friction_is_of_first_order(void **state) {
       part[k] = 1.0 / n, found[k] = off / scale, told[k] = gh_estimated_error(&e, GH_ERROR_STRESS);
       defect[k] = fabs(gh_energy_defect(&energy));
       if (telling())
-        printf("%-12s %3d increments: true error %.2e, estimate %.2e, ratio %.2f, energy defect %.2e\n",
+        printf("%-12s %3d increments: true error %.2e, estimate %.2e, ratio %.2f, energy imbalance %.2e\n",
                boundaries[b], n, found[k], told[k], told[k] / found[k], defect[k]);
       assert_int_equal(e.increments, n);
       assert_int_equal(e.branched, 0);
       assert_true(told[k] < 3 * found[k] && told[k] > found[k] / 3);
     }
     if (telling())
-      printf("%-12s orders: true error %.2f, estimate %.2f, energy defect %.2f\n", boundaries[b],
+      printf("%-12s orders: true error %.2f, estimate %.2f, energy imbalance %.2f\n", boundaries[b],
              slope(RUNS, part, found), slope(RUNS, part, told), slope(RUNS, part, defect));
     NEAR("order of the true error", slope(RUNS, part, found), 1, 0.35);
     NEAR("order of the estimate", slope(RUNS, part, told), 1, 0.35);
-    NEAR("order of the energy defect", slope(RUNS, part, defect), 1, 0.3);
+    NEAR("order of the energy imbalance", slope(RUNS, part, defect), 1, 0.3);
   }
 }
 
 /* Without friction stress is a function of F: both paths end at the same state, to what the tolerance of
- * 1e-10 leaves. The energy defect is of second order. */
+ * 1e-10 leaves. The energy imbalance is of second order. */
 static void frictionless_paths_agree(void **state) {
   static const char *const boundaries[] = {"taylor", "taylor-cell"};
   for (int b = 0; b < 2; b++) {
@@ -211,12 +211,12 @@ static void frictionless_paths_agree(void **state) {
       for (int j = 0; j < GH_ERRORS; j++) assert_true(gh_estimated_error(&e, j) < 1e-8);
       part[k] = 1.0 / n, defect[k] = fabs(gh_energy_defect(&energy));
       if (telling())
-        printf("%-12s without friction, %2d increments: estimate %.1e, energy defect %.2e\n", boundaries[b],
-               n, gh_estimated_error(&e, GH_ERROR_STRESS), defect[k]);
+        printf("%-12s without friction, %2d increments: estimate %.1e, energy imbalance %.2e\n",
+               boundaries[b], n, gh_estimated_error(&e, GH_ERROR_STRESS), defect[k]);
       assert_true(fabs(gh_work_defect(&energy)) < 1e-8);
       assert_true(energy.residual <= 1e-10 && energy.freed == 0 && energy.dissipation == 0);
     }
-    NEAR("order of the energy defect", slope(4, part, defect), 2, 0.35);
+    NEAR("order of the energy imbalance", slope(4, part, defect), 2, 0.35);
   }
 }
 

@@ -216,7 +216,7 @@ static void packings_per_point(void **state) {
   gh_packing_destroy(&p[1]);
 }
 
-/* A farm that is read back goes on as the one that was saved, shared or not. */
+/* A farm that is read back continues as the one that was saved, shared or not. */
 static void an_image_goes_on(void **state) {
   gh_context *ctx = *state;
   gh_packing *p = case_packing(ctx, "p20");
@@ -273,7 +273,8 @@ static void an_image_goes_on(void **state) {
   gh_packing_destroy(&p);
 }
 
-/* The first of several failing points is told, and no point behind it counts; what was converged stays. */
+/* The first of several failing points is reported, and no point behind it counts; what was converged stays.
+ */
 static void failures_leave_the_states(void **state) {
   gh_context *ctx = *state;
   gh_packing *p = case_packing(ctx, "p20");

@@ -66,8 +66,9 @@ static bool stop_at_three(void *data) {
   return ++*(int *)data == 3;
 }
 
-/* A request to stop ends an evaluation before the next point with a status of its own; without it all goes
- * on. */
+/* A request to stop ends an evaluation before the next point with a status of its own; without it all
+ * continues
+ * . */
 static void a_farm_is_stopped(void **state) {
   static const gh_point_ops ops = {dummy_evaluate, dummy_commit, dummy_revert, dummy_destroy};
   gh_context *ctx = *state;

@@ -1,5 +1,5 @@
 /* From hard packings to mechanics: finish, fabric, hull. SPDX-License-Identifier: GPL-2.0-or-later
- * What a finished packing is, is judged by sums over all pairs and images that are written here anew. */
+ * What a finished packing is, is judged by sums over all pairs and images that are written here again. */
 #include "../help.h"
 
 #include "granhom/finish.h"
@@ -151,8 +151,8 @@ static void lattice_acoustic(void **state) {
   gh_packing_destroy(&soft);
 }
 
-/* Random loose grains end in equilibrium with the wanted mean overlap in a square cell, for overlaps over two
- * decades. */
+/* Random floating grains end in equilibrium with the wanted mean overlap in a square cell, for overlaps over
+ * two decades. */
 static void random_overlap(void **state) {
   gh_context *ctx = *state;
   const unsigned long long seed = 11;
@@ -269,7 +269,7 @@ static void impossible_anisotropy(void **state) {
   gh_packing_destroy(&hard);
 }
 
-/* The same packing comes out to the last bit, and measuring it again says the same. */
+/* The same packing comes out to the last bit, and measuring it again states the same. */
 static void reproducible(void **state) {
   gh_context *ctx = *state;
   gh_packing *hard = random_packing(ctx, 60, 0.7, 9);

@@ -72,7 +72,7 @@ static void test_central(void **state) {
   drop(&p), drop(&q);
 }
 
-/* An eccentric and inclined force: the footing turns to the loaded side and stays rigid; forces and moments
+/* An eccentric and inclined force: the footing rotates to the loaded side and stays rigid; forces and moments
  * balance; holding all its nodes where they are gives the same body. The whole in one increment or in four is
  * the same. */
 static void test_eccentric(void **state) {
@@ -145,7 +145,7 @@ static void residual_at(problem *p, double s, const double *x, double *R) {
 }
 
 /* The reduced tangent, by way of its inverse: x = K^-1 b, and the residual's central difference along x is b,
- * at a turned state that is out of balance, with a symmetric and an unsymmetric material (CHOLMOD, UMFPACK).
+ * at a rotated unbalanced state, with a symmetric and an unsymmetric material (CHOLMOD, UMFPACK).
  */
 static void test_tangent(void **state) {
   gh_context *ctx = *state;
@@ -220,8 +220,8 @@ static void test_cuts(void **state) {
   drop(&p), drop(&q);
 }
 
-/* A jump of the material's stress is passed under a footing: it ends in balance with the force, also where
- * the tangent is unsymmetric. */
+/* An instability of the material is stepped over under a footing: it ends in equilibrium with the force, also
+ * where the tangent is unsymmetric. */
 static void test_jump(void **state) {
   gh_context *ctx = *state;
   for (int skewed = 0; skewed < 2; skewed++) {
@@ -290,7 +290,7 @@ static void test_work(void **state) {
     }
     gh_macro_energy(p.macro, &e);
     defect[k] = fabs(gh_work_defect(&e));
-    if (getenv("ESTIMATE_TELL")) printf("footing, %d increments: work defect %.3e\n", n, defect[k]);
+    if (getenv("ESTIMATE_TELL")) printf("footing, %d increments: work imbalance %.3e\n", n, defect[k]);
     drop(&p);
   }
   assert_true(defect[2] < 1e-3);
@@ -364,7 +364,7 @@ static void test_supports(void **state) {
   NEAR("y", at[1], 1.5, 1e-15);
   gh_loads_clear(p.loads);
   put(&p, 0, 0, -1);
-  FAILS(gh_macro_solve(p.macro, p.loads, &p.report), GH_INPUT, "free in x, in y and to turn");
+  FAILS(gh_macro_solve(p.macro, p.loads, &p.report), GH_INPUT, "free in x, in y and in rotation");
   begin(&p);
   OK(gh_loads_displace(p.loads, gh_mesh_find(p.mesh, "left"), 0, 0));
   put(&p, 0, 0, -1);

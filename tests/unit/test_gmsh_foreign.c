@@ -154,7 +154,7 @@ static void elements_are_named(void **state) {
   }
 }
 
-/* Without a physical group of surfaces Gmsh leaves the surfaces out, and the message says so. */
+/* Without a physical group of surfaces Gmsh leaves the surfaces out, and the message states so. */
 static void a_mesh_without_surfaces_says_why(void **state) {
   place *p = *state;
   assert_refused(

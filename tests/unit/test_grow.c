@@ -260,7 +260,7 @@ static double overlap_now(const growth *g) {
   return overlap(g->n, x, radius, &g->box.cell[0][0]);
 }
 
-/* At no time do grains of sizes 1:32 overlap, in a tilted cell, also when the memory is ordered anew on the
+/* At no time do grains of sizes 1:32 overlap, in a tilted cell, also when the memory is ordered again on the
  * way. */
 static void never_overlap(void **state) {
   gh_context *ctx = *state;

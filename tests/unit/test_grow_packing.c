@@ -77,7 +77,7 @@ static void seeds(void **state) {
   for (int k = 0; k < 3; k++) gh_grains_destroy(&p[k]);
 }
 
-/* Growth stops at the volume fraction, to round-off; at the time limit; and says so. */
+/* Growth stops at the volume fraction, to round-off; at the time limit; and states so. */
 static void stops(void **state) {
   enum { N = 100 };
   gh_context *ctx = *state;

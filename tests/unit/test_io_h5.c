@@ -87,7 +87,7 @@ static void a_text_is_a_string(void **state) {
 }
 
 /* Appending keeps what is there and replaces datasets of the same name, also of another size; not appending
- * starts anew. */
+ * starts again. */
 static void appending_keeps_what_is_there(void **state) {
   place *p = *state;
   const char *path = make_file(p, "a.h5");

@@ -182,7 +182,7 @@ static void faults_of_the_sections(void **state) {
       {"Atoms\n\n1 1 1 1m 0 0 0\n", ":9: density: '1m' is not a finite number"},
       {"Atoms\n\n1 1 1 1 0 inf 0\n", ":9: y: 'inf' is not a finite number"},
       {"Atoms\n\n1 1 1 1 0 0 0 0 0.5 0\n", ":9: image flag '0.5' is not an integer"},
-      {"Atoms\n\n1 1 1 1 0 0 0\n", ":9: 1 atoms, but the header (line 2) says 2: the file is truncated"},
+      {"Atoms\n\n1 1 1 1 0 0 0\n", ":9: 1 atoms, but the header (line 2) states 2: the file is truncated"},
       {"Atoms\n\n1 1 1 1 0 0 0\n2 1 1 1 1 0", ":10: 6 words in the line of an atom; wanted: id type diameter "
                                               "density x y z, then three image flags or none"},
       {"Atoms\n1 1 1 1 0 0 0\n2 1 1 1 0 0 0\n3 1 1 1 0 0 0\n",
@@ -208,7 +208,7 @@ static void promised_atoms_take_no_memory(void **state) {
   assert_refused(
       *state,
       "t\n500000000 atoms\n1 atom types\n0 1 xlo xhi\n0 1 ylo yhi\n0 1 zlo zhi\nAtoms\n\n1 1 1 1 0 0 0\n",
-      ":9: 1 atoms, but the header (line 2) says 500000000: the file is truncated");
+      ":9: 1 atoms, but the header (line 2) states 500000000: the file is truncated");
   if (limited) setrlimit(RLIMIT_AS, &kept);
 }
 

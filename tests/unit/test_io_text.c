@@ -51,7 +51,7 @@ static void a_full_disk_leaves_the_old_file(void **state) {
   gh_text_destroy(&text);
 }
 
-/* Pipes and devices are written directly and stay what they are; /dev/full says that it is full. */
+/* Pipes and devices are written directly and stay what they are; /dev/full states that it is full. */
 static void devices_are_not_replaced(void **state) {
   place *p = *state;
   gh_text *text;
@@ -88,7 +88,7 @@ static void links_stay(void **state) {
   gh_text_destroy(&text);
 }
 
-/* Folders that are missing, and folders in the place of the file, are told. */
+/* Folders that are missing, and folders in the place of the file, are reported. */
 static void places_that_cannot_be_written(void **state) {
   place *p = *state;
   gh_text *text;

@@ -185,7 +185,7 @@ static void no_memory(void **state) {
   drop(&p);
 }
 
-/* Held grains stay to the last bit while others relax; positions come back as they were given. */
+/* Fixed grains stay to the last bit while others relax; positions come back as they were given. */
 static void held_grains(void **state) {
   (void)state;
   packing p = read_p150();
@@ -239,7 +239,7 @@ static void moves(void **state) {
   drop(&p);
 }
 
-/* Relaxation that runs out of steps says so and leaves a consistent state, from which it can go on. */
+/* Relaxation that runs out of steps states so and leaves a consistent state, from which it can continue. */
 static void out_of_steps(void **state) {
   (void)state;
   packing p = read_p150();
@@ -286,7 +286,7 @@ static void bad_setup(void **state) {
   gh_engine_destroy(&e);
 }
 
-/* Coinciding centres are LAMMPS's error: a message with both ids; the engine goes on with the next set. */
+/* Coinciding centres are LAMMPS's error: a message with both ids; the engine continues with the next set. */
 static void error_in_run(void **state) {
   (void)state;
   packing p = make(3);

@@ -116,7 +116,7 @@ static void opening(void **state) {
   gh_lmp_close(&lmp);
 }
 
-/* `unfix` takes the history away: contacts begin anew with the next run, and nothing is listed before it. */
+/* `unfix` takes the history away: contacts start again with the next run, and nothing is listed before it. */
 static void history_taken_away(void **state) {
   gh_context *ctx = *state;
   void *lmp = two_disks(ctx, "increment manual", "100 80 0.3 20", (double[2]){1.48, 0});
@@ -137,7 +137,7 @@ static void history_taken_away(void **state) {
   gh_lmp_close(&lmp);
 }
 
-/* What single() says of a contact is what compute() did: LAMMPS's compute pair/local asks it. */
+/* What single() states of a contact is what compute() did: LAMMPS's compute pair/local asks it. */
 static void single_contacts(void **state) {
   gh_context *ctx = *state;
   void *lmp = two_disks(ctx, "increment manual slip objective", "100 80 0.3 20", (double[2]){1.3, 0.6});

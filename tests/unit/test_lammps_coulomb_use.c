@@ -110,7 +110,7 @@ static void hybrids(void **state) {
   }
 }
 
-/* Restart files: with the same law they go on, with another law or style they are refused. */
+/* Restart files: with the same law they continue, with another law or style they are refused. */
 static void restarts(void **state) {
   gh_context *ctx = *state;
   static const struct {
@@ -120,8 +120,8 @@ static void restarts(void **state) {
       {"pair_style granhom/coulomb increment manual", NULL},
       {"pair_coeff * * 100 80 0.3 10", NULL},
       {"pair_coeff * * 100 80 0.2 10", "other coefficients of the types 1 and 1"},
-      {"pair_style granhom/coulomb slip objective", "with slip projected, the script says objective"},
-      {"pair_style granhom/coulomb rotations fixed", "with rotations free, the script says fixed"},
+      {"pair_style granhom/coulomb slip objective", "with slip projected, the script states objective"},
+      {"pair_style granhom/coulomb rotations fixed", "with rotations free, the script states fixed"},
       {"pair_style granhom/normal\npair_coeff * * 100", "granhom/normal would drop"}};
   char file[] = "/tmp/granhom-restart-XXXXXX";
   const int handle = mkstemp(file);

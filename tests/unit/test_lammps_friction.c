@@ -204,7 +204,7 @@ static void case_sample(gh_context *ctx, const char *name, const double F[4], do
 }
 
 /* Where the residual does not come down any more, the least damping is doubled every thousand steps, from
- * list to list; a relaxation that is gone on with begins with what there was; behind the largest it is the
+ * list to list; a relaxation that is continued begins with what there was; behind the largest it is the
  * first again. */
 static void damping_is_carried_on(void **state) {
   gh_context *ctx = *state;
@@ -237,7 +237,7 @@ static void damping_is_carried_on(void **state) {
 }
 
 /* Both engines run the same kernel on the same pairs: as many steps, and the same equilibrium. The residual
- * is what the forces say. Held grains stay and turn. */
+ * is what the forces say. Fixed grains stay and turn. */
 static void relaxes_as_native(void **state) {
   gh_context *ctx = *state;
   static sample s;

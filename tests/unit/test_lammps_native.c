@@ -104,7 +104,7 @@ static void relax_as_native(void **state) {
   drop(&p);
 }
 
-/* A cluster with held grains relaxes to the native engine's equilibrium, and moves as it does. */
+/* A cluster with fixed grains relaxes to the native engine's equilibrium, and moves as it does. */
 static void cluster_relaxes_as_native(void **state) {
   (void)state;
   packing p = read_p150();

@@ -71,7 +71,7 @@ static const double *global_data(void *lmp, const char *id, int type) {
   return data;
 }
 
-/* What a row says of itself: force, energy and trace of the second derivative from overlap and distance. */
+/* What a row states of itself: force, energy and trace of the second derivative from overlap and distance. */
 static void assert_row(const double *row) {
   int a = (int)row[0], b = (int)row[1];
   double E = a % 2 && b % 2 ? 40 : a % 2 || b % 2 ? 50 : 60; /* odd ids are of type 1; mixed: the mean */

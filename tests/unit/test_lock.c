@@ -8,7 +8,7 @@ static bool exists(const char *path) {
   return access(path, F_OK) == 0;
 }
 
-/* A child that takes the lock, tells so, and waits to be ended; *number: of the child. */
+/* A child that takes the lock, reports it, and waits to be ended; *number: of the child. */
 static int start_owner(place *p, const char *folder, pid_t *number) {
   int pipes[2];
   char told = 0;

@@ -226,7 +226,7 @@ static double residual_of(gh_context *ctx, gh_engine *e, int n, const unsigned c
   return largest / mean;
 }
 
-/* Relaxation reaches the residual that it reports and leaves held grains where they are. */
+/* Relaxation reaches the residual that it reports and leaves fixed grains where they are. */
 static void relaxation_reaches_equilibrium(void **state) {
   gh_context *ctx = *state;
   gh_packing *p = case_packing(ctx, "p50d");
@@ -258,7 +258,7 @@ static void relaxation_reaches_equilibrium(void **state) {
   gh_packing_destroy(&p);
 }
 
-/* Too few steps are no error but say so, and one more call goes on; nothing more is spent than allowed. */
+/* Too few steps are no error but say so, and one more call continues; nothing more is spent than allowed. */
 static void relaxation_may_run_out_of_steps(void **state) {
   gh_context *ctx = *state;
   gh_packing *p = case_packing(ctx, "p50");

@@ -77,7 +77,7 @@ static void slip_by_moving(void **state) {
   }
 }
 
-/* Three grains in a row, the middle one turned: it feels both couples and no force; the outer ones one. */
+/* Three grains in a row, the middle one rotated: it feels both couples and no force; the outer ones one. */
 static void three_in_a_row(void **state) {
   gh_context *ctx = *state;
   sample s = {.n = 3, .radius = {1, 1, 1}, .x_n = {0, 0, 1.98, 0, 3.96, 0}};
@@ -156,7 +156,7 @@ static void two_images_of_a_pair(void **state) {
 }
 
 /* Forces and moments of the grains are the sums over the contacts, each of which balances; contacts are in
- * order, lie at the image that their key names, and go on with the history that was given. */
+ * order, lie at the image that their key names, and continue with the history that was given. */
 static void balances(void **state) {
   gh_context *ctx = *state;
   unsigned long long seed = 31;

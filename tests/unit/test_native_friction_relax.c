@@ -39,7 +39,7 @@ static gh_relax_result relax(gh_context *ctx, gh_engine *g, double tolerance) {
   return r;
 }
 
-/* Relaxation meets the residual that it reports, in forces and moments; held grains stay, but turn; where
+/* Relaxation meets the residual that it reports, in forces and moments; fixed grains stay, but turn; where
  * rotations are fixed, nothing turns and moments do not count. */
 static void relaxation(void **state) {
   gh_context *ctx = *state;
@@ -71,8 +71,8 @@ static void relaxation(void **state) {
   }
 }
 
-/* Where all positions are held, rotations alone bring the moments to rest; two grains that stick turn by what
- * undoes the slip of the step, each by the half of it. */
+/* Where all positions are fixed, rotations alone bring the moments to rest; two grains that stick turn by
+ * what undoes the slip of the step, each by the half of it. */
 static void only_rotations(void **state) {
   gh_context *ctx = *state;
   sample s = {.n = 2, .radius = {1, 1}, .x_n = {0, 0, 1.9, 0}};
@@ -90,9 +90,9 @@ static void only_rotations(void **state) {
   gh_engine_destroy(&g);
 }
 
-/* A grain between two that cannot turn, because each is one of a triangle: both contacts slide, one each way,
- * and a trifle more overlap on one side drives the grain on until the slip there has gone back to its limit.
- * On the way nothing resists; steps alone are not at rest after 200,000. */
+/* A grain between two that cannot rotate, because each is one of a triangle: both contacts slide, one each
+ * way, and a trifle more overlap on one side drives the grain on until the slip there has gone back to its
+ * limit. On the way nothing resists; steps alone are not at rest after 200,000. */
 static void a_grain_that_spins(void **state) {
   gh_context *ctx = *state;
   const double e = 0.02, uneven = 1e-5, deep = 1.9, slip = 0.2, far = deep * sqrt(0.75);
@@ -119,7 +119,7 @@ static void a_grain_that_spins(void **state) {
   gh_engine_destroy(&g);
 }
 
-/* Where the pair list is made anew does not matter: two engines come to the same positions from lists that
+/* Where the pair list is rebuilt does not matter: two engines come to the same positions from lists that
  * were made at different places, and the contacts are those of a list made at the end. */
 static void lists_do_not_matter(void **state) {
   gh_context *ctx = *state;

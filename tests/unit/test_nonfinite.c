@@ -328,7 +328,7 @@ static double lattice_stress(double E, double f) {
   return -E * (2 - 1.95 * f) * 4 * 1.95 / (3.9 * 3.9);
 }
 
-/* The right stress, or a refusal that says why; the number of refusals. */
+/* The right stress, or a refusal that states why; the number of refusals. */
 static int unit_check(gh_context *ctx, gh_engine_kind engine, gh_boundary b, double r, double E,
                       bool friction) {
   const double F[4] = {0.99, 0, 0, 1.001};

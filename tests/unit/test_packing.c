@@ -13,7 +13,7 @@ static void put(char path[64], const char *text) {
   close(fd);
 }
 
-/* Count, cell, radii and order of a packing of the reference cases, as its file says. */
+/* Count, cell, radii and order of a packing of the reference cases, as its file states. */
 static void p150_is_read(void **state) {
   gh_context *ctx = *state;
   gh_packing *p = case_packing(ctx, "p150");
@@ -51,7 +51,7 @@ static void faults_are_named_with_their_line(void **state) {
       {HEAD "\nAtoms\n\n1 1 1 1 1 1 0\n2 1 nan 1 3 1 0\n", ":11: diameter: 'nan'"},
       {HEAD "\nAtoms\n\n1 1 1 1 1 1 0\n2 1 1 1 nan 1 0\n", ":11: x: 'nan'"},
       {HEAD "\nAtoms\n\n1 1 1 1 1 1 0.25\n2 1 1 1 3 1 0\n", ":10: grain 1 has z = 0.25"},
-      {HEAD "\nAtoms\n\n1 1 1 1 1 1 0\n", ":10: 1 atoms, but the header (line 2) says 2"},
+      {HEAD "\nAtoms\n\n1 1 1 1 1 1 0\n", ":10: 1 atoms, but the header (line 2) states 2"},
       {HEAD "\nAtoms\n\n1 1 1 1 1 1 0\n2 1 1 1", ":11: 4 words"},
       {HEAD "0 0.1 0 xy xz yz\n\nAtoms\n\n1 1 1 1 1 1 0\n2 1 1 1 3 1 0\n", "xz = 0.1 and yz = 0 tilt"},
       {HEAD "0 0 -0.1 xy xz yz\n\nAtoms\n\n1 1 1 1 1 1 0\n2 1 1 1 3 1 0\n", "xz = 0 and yz = -0.1 tilt"},

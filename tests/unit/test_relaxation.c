@@ -9,7 +9,7 @@
     if (use_engine(e))
 #define FOR_WAYS(w) for (gh_relaxation w = GH_RELAX_POLISHED; w <= GH_RELAX_FIRE; w++)
 
-/* Words and ways belong together, both ways; other words are refused; the default is polished. */
+/* Words and ways belong together, both ways; other words are refused; the default is `polished`. */
 static void names_of_the_ways(void **state) {
   (void)state;
   static const char *const names[] = {"polished", "damped", "fire"};
@@ -23,7 +23,7 @@ static void names_of_the_ways(void **state) {
   assert_int_equal(gh_rve_defaults().relaxation, GH_RELAX_POLISHED);
 }
 
-/* ---- FIRE against its publication: one free grain among held ones ---- */
+/* ---- FIRE against its publication: one free grain among fixed ones ---- */
 
 enum { HELD = 5, STEPS = 60 };
 static const double E = 7;
@@ -165,7 +165,7 @@ static void one_equilibrium_by_all_ways(void **state) {
   gh_packing_destroy(&p);
 }
 
-/* Far from equilibrium FIRE goes on from list to list, and both engines go the same way. */
+/* Far from equilibrium FIRE continues from list to list, and both engines go the same way. */
 static void fire_over_many_lists(void **state) {
   gh_context *ctx = *state;
   gh_packing *p = case_packing(ctx, "p50");
@@ -204,7 +204,7 @@ static void fire_over_many_lists(void **state) {
   gh_packing_destroy(&p);
 }
 
-/* A packing that loses its contacts comes to rest by each way, and says so. */
+/* A packing that loses its contacts comes to rest by each way, and states so. */
 static void unjamming_by_all_ways(void **state) {
   gh_context *ctx = *state;
   gh_packing *p = case_packing(ctx, "p50");
@@ -222,7 +222,7 @@ static void unjamming_by_all_ways(void **state) {
   gh_packing_destroy(&p);
 }
 
-/* Relaxation alone may spend its steps: an error that says how far it came. */
+/* Relaxation alone may spend its steps: an error that states how far it came. */
 static void too_few_steps(void **state) {
   gh_context *ctx = *state;
   gh_packing *p = case_packing(ctx, "p50");

@@ -207,7 +207,7 @@ static void write_frames(gh_context *ctx, bed *b, int first, int last) {
   scene_output_destroy(&o);
 }
 
-/* A process that is killed within a frame, or that goes on from an earlier increment, leaves no trace. */
+/* A process that is killed within a frame, or that continues from an earlier increment, leaves no trace. */
 static void dumps_grow_by_whole_frames(void **state) {
   gh_context *ctx = *state;
   bed b;
@@ -229,7 +229,7 @@ static void dumps_grow_by_whole_frames(void **state) {
       free(again);
     }
   }
-  write_frames(ctx, &b, 0, 0); /* a new run begins anew */
+  write_frames(ctx, &b, 0, 0); /* a new run starts again */
   char *first = read_file(b.dump[0]);
   assert_int_equal(strlen(first), length / 4);
   free(first);

@@ -42,8 +42,8 @@ static void bad_options_are_refused(void **state) {
   gh_packing_destroy(&p);
 }
 
-/* F with det F <= 0 or with a value that is not finite is GH_INPUT, and the RVE goes on as if it had not been
- * asked. */
+/* F with det F <= 0 or with a value that is not finite is GH_INPUT, and the RVE continues as if it had not
+ * been asked. */
 static void bad_deformations_are_refused(void **state) {
   gh_context *ctx = *state;
   static const double bad[][4] = {{1, 0, 0, 0},   {-1, 0, 0, 1},       {0, 1, 1, 0},   {NAN, 0, 0, 1},
@@ -129,7 +129,7 @@ static void commit_and_revert(void **state) {
   gh_packing_destroy(&p);
 }
 
-/* An RVE that starts from a saved state goes on bitwise like the one that saved it. */
+/* An RVE that starts from a saved state continues bitwise like the one that saved it. */
 static void a_loaded_state_goes_on_bitwise(void **state) {
   gh_context *ctx = *state;
   gh_packing *p = case_packing(ctx, "p50");
@@ -328,7 +328,7 @@ static void too_few_steps(void **state) {
   gh_packing_destroy(&p);
 }
 
-/* When the steps are spent, a packing is taken as it is, if it is told how far out of balance it may be. */
+/* When the steps are spent, a packing is accepted unconverged, if an unbalanced force is allowed. */
 static void taken_as_it_is(void **state) {
   gh_context *ctx = *state;
   gh_packing *p = case_packing(ctx, "p50");

@@ -8,7 +8,7 @@ static const double I[4] = {1, 0, 0, 1}, squeeze[4] = {0.99, 0.004, 0.002, 0.995
   for (gh_engine_kind e = GH_ENGINE_LAMMPS; e <= GH_ENGINE_NATIVE; e++)                                      \
     if (use_engine(e))
 
-/* F of the parts of a way, as they are told. */
+/* F of the substeps of a path, as they are reported. */
 typedef struct told {
   int n;
   double F[128][4];
@@ -54,7 +54,7 @@ static void ways_in_parts(void **state) {
     else assert_int_equal(t.n, way.parts);
     if (status != GH_OK && way.parts > 0) { /* it stays where it has come to */
       assert_memory_equal(gh_rve_F(rve), t.F[t.n - 1], 4 * sizeof(double));
-      assert_non_null(strstr(gh_message(ctx), " parts of the increment: no equilibrium"));
+      assert_non_null(strstr(gh_message(ctx), " substeps of the increment: no equilibrium"));
     }
     found |= status == GH_OK ? (way.cuts > 0 ? 2 : 4) : way.parts > 0 ? 8 : 1;
     gh_rve_destroy(&rve);
@@ -130,7 +130,7 @@ static void ways_in_halves(void **state) {
 }
 
 /* From a trial state that is near, the same equilibrium is found with hardly a step; from one that is not,
- * and under Taylor's conditions, the converged state is the begin. What is committed counts from the
+ * and under Taylor's conditions, the converged state is the start. What is committed counts from the
  * converged state in all cases. */
 static void near_a_trial_state(void **state) {
   gh_context *ctx = *state;
@@ -179,7 +179,7 @@ static void near_a_trial_state(void **state) {
   gh_packing_destroy(&p);
 }
 
-/* Shear of 20 grains until relaxation goes round in a circle: it comes to rest once its slip is kept, the
+/* Shear of 20 grains until a limit cycle of the relaxation: it comes to rest once its slip is committed, the
  * same each time. A trial nearby counts slip from there, too, and the tangent is its derivative. Committed,
  * it is a state like others. */
 static void slip_is_kept(void **state) {

@@ -96,7 +96,7 @@ static void least(void **state) {
   gh_sieve_destroy(&s);
 }
 
-/* Counts are taken as they are, and scaled without loss: Table 5.1 from 150 to 300 and 600 grains. */
+/* Counts are used unchanged, and scaled without loss: Table 5.1 from 150 to 300 and 600 grains. */
 static void counts(void **state) {
   static const double d[] = {0.1, 0.125, 0.16, 0.25}, v[] = {35, 74, 40, 1};
   gh_context *ctx = *state;

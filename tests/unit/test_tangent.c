@@ -140,8 +140,8 @@ static void orders(void **state) {
   }
 }
 
-/* A macro that has loaded the state of another goes on to the same last bit, also with the elastic tangent,
- * which is of a state that neither has at hand any more. */
+/* A macro that has loaded the state of another continues to the same last bit, also with the elastic tangent,
+ * which is of a state that neither has current any more. */
 static void going_on(void **state) {
   gh_context *ctx = *state;
   for (int t = 0; t < 4; t++) {
@@ -168,7 +168,7 @@ static void going_on(void **state) {
   }
 }
 
-/* Far from where it was made, the elastic tangent is too far behind to converge. That is no jump of a
+/* Far from where it was made, the elastic tangent is too far behind to converge. That is no instability of a
  * packing: the part is done with the present tangent, and ends where all others do. */
 static void too_far_behind(void **state) {
   gh_context *ctx = *state;

@@ -135,7 +135,7 @@ static void energies(void **state) {
   for (int b = 0; b < 4; b++) {
     problem q = {GH_ENGINE_NATIVE, all_boundaries[b], law_of(10, 100, GH_SLIP_PROJECTED)};
     double coarse = energy_defect(ctx, p, &q, 8), fine = energy_defect(ctx, p, &q, 64);
-    print_message("%-12s energy defect with 8 increments %.2e, with 64 %.2e\n",
+    print_message("%-12s energy imbalance with 8 increments %.2e, with 64 %.2e\n",
                   gh_boundary_name(all_boundaries[b]), coarse, fine);
     assert_true(fine < 0.25 * coarse && coarse < 0.02);
   }
@@ -183,7 +183,7 @@ static void rigid_rotations(void **state) {
   gh_packing_destroy(&p);
 }
 
-/* Iterations leave no trace, a reverted step neither; a state that is loaded elsewhere goes on to the last
+/* Iterations leave no trace, a reverted step neither; a state that is loaded elsewhere continues to the last
  * bit. */
 static void check_states(gh_context *ctx, const gh_packing *p, const problem *q) {
   gh_rve *a = open_rve(ctx, p, q), *b = open_rve(ctx, p, q);
@@ -208,7 +208,7 @@ static void check_states(gh_context *ctx, const gh_packing *p, const problem *q)
   }
   FAILS(gh_rve_load(b, saved, size - 1), GH_INPUT, "numbers");
   saved[4 + 3 * p->n + 1] +=
-      0; /* the state of a packing without replicas ends elsewhere: only the size is told */
+      0; /* the state of a packing without replicas ends elsewhere: only the size is reported */
   saved[5] = NAN;
   FAILS(gh_rve_load(b, saved, size), GH_INPUT, "not finite");
   free(saved);

@@ -32,7 +32,7 @@ static bool relaxes(const problem *q) {
   return q->boundary == GH_RESTRICTED || q->boundary == GH_PERIODIC;
 }
 
-/* Says which problem it is and what came out; fails beyond the limit. */
+/* States which problem it is and what came out; fails beyond the limit. */
 static void judge(const problem *q, const char *what, double value, double limit) {
   if (value <= limit) return;
   print_error("%s, %s, %s: %s %.3g, at most %.3g is allowed\n", q->name, engine_names[q->engine],

@@ -42,7 +42,7 @@ static void test_patch(void **state) {
 }
 
 /* The stiffness of a distorted element is the derivative of its forces (central differences); so is that of a
- * following pressure. */
+ * follower pressure. */
 static void test_stiffness(void **state) {
   problem p = make_block(*state, 2, 1, 1, 1, NULL, NULL);
   const double X[8] = {0.1, -0.2, 2.2, 0.1, 1.8, 1.3, -0.1, 0.9}, step = 1e-6;
@@ -83,7 +83,7 @@ static void test_stiffness(void **state) {
   drop(&p);
 }
 
-/* Each iteration squares the residual in the end, with dead and with following pressure on a distorted mesh.
+/* Each iteration squares the residual in the end, with dead and with follower pressure on a distorted mesh.
  */
 static void test_quadratic(void **state) {
   for (int follow = 0; follow < 2; follow++) {
@@ -110,7 +110,7 @@ static void test_quadratic(void **state) {
   }
 }
 
-/* One element between smooth walls under dead pressure: P22 = -q. */
+/* One element between smooth walls under dead-load pressure: P22 = -q. */
 static void test_dead_pressure(void **state) {
   gh_macro_options o = tight();
   problem p = make_block(*state, 2, 3, 1, 1, &plain, &o);
@@ -129,7 +129,7 @@ static void test_dead_pressure(void **state) {
 }
 
 /* A residual that rises once: a search that wants each step to lower it shortens that step, one that compares
- * with the largest of the last few goes on with full steps, to the same end. It does so above a given
+ * with the largest of the last few continues with full steps, to the same end. It does so above a given
  * residual alone. */
 static void test_search_memory(void **state) {
   const material rough = {.rough = 1};
@@ -169,7 +169,7 @@ static void test_search_memory(void **state) {
   drop(&p);
 }
 
-/* Following pressure all round gives a Cauchy stress of -q: F = diag(x, x). */
+/* Follower pressure all round gives a Cauchy stress of -q: F = diag(x, x). */
 static void test_following_pressure(void **state) {
   gh_macro_options o = tight();
   problem p = make_block(*state, 2, 3, 2, 2, &plain, &o);

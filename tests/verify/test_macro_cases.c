@@ -230,11 +230,11 @@ static void test_block(void **state) {
 static void test_block_from_zero(void **state) {
   run_case(state, "block_taylor_p02_fromzero");
 }
-/* A distorted mesh under following pressure. */
+/* A distorted mesh under follower pressure. */
 static void test_block_distorted(void **state) {
   run_case(state, "block_taylor_p02_distorted");
 }
-/* Growing weight under a dead pressure. */
+/* Growing weight under a dead-load pressure. */
 static void test_gravity(void **state) {
   run_case(state, "gravity_taylor");
 }

@@ -3,7 +3,8 @@
 #include "macro_help.h"
 
 /* A material that fails beyond a strain increment: the increment is cut and still ends where it should; with
- * too few cuts it fails, keeps the last converged state, names the reason, and can go on with smaller loads.
+ * too few cuts it fails, keeps the last converged state, names the reason, and can continue with smaller
+ * loads.
  */
 static void test_cuts(void **state) {
   const material brittle = {.limit = 0.03};
@@ -58,7 +59,7 @@ static void test_partial(void **state) {
 }
 
 /* A stress in the gap of a jump: no F reaches it from state n. The jump is passed, counted, and the end is
- * the equilibrium on its far side; without leave to pass it the increment fails and says where. */
+ * the equilibrium on its far side; without leave to pass it the increment fails and states where. */
 static void test_jump(void **state) {
   const double q0 = -confined(0.95, 0);
   for (int soft = 0; soft < 2; soft++) {
@@ -148,17 +149,17 @@ static void test_no_supports(void **state) {
   gh_macro_options o = tight();
   problem p = make_block(*state, 2, 1, 2, 1, &plain, &o);
   press(&p, "top", 1, false);
-  solve_fails(&p, GH_INPUT, "free in x, in y and to turn");
+  solve_fails(&p, GH_INPUT, "free in x, in y and in rotation");
   fix(&p, "bottom", 1, 0);
   solve_fails(&p, GH_INPUT, "free in x");
   gh_loads_clear(p.loads);
   p.loads->fixed[0] = p.loads->fixed[1] = 1; /* a hinge */
-  solve_fails(&p, GH_INPUT, "to turn");
+  solve_fails(&p, GH_INPUT, "in rotation");
   p.loads->fixed[5] = 1; /* a roller at the same height that bears it in y */
   solve(&p);
   p.loads->fixed[5] = 0;
   p.loads->fixed[4] = 1; /* and one that acts through the hinge */
-  solve_fails(&p, GH_INPUT, "to turn");
+  solve_fails(&p, GH_INPUT, "in rotation");
   drop(&p);
 }
 
@@ -171,7 +172,7 @@ static void test_two_bodies(void **state) {
   make_macro(&p, &plain, &o);
   fix(&p, "left", 0, 0);
   fix(&p, "left", 1, 0);
-  solve_fails(&p, GH_INPUT, "body with node 2 at (2, 0) free in x, in y and to turn");
+  solve_fails(&p, GH_INPUT, "body with node 2 at (2, 0) free in x, in y and in rotation");
   fix(&p, "right", 0, 0.25);
   fix(&p, "right", 1, 0);
   solve(&p);

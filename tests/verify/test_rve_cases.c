@@ -138,10 +138,10 @@ static void case_is_met(void **state) {
       if (d > worst) worst = d, worst_row = row;
     }
     if (getenv("GH_VERBOSE"))
-      print_message(
-          "  row %d: %.1e  residual %.1e steps %ld polished %d factorisations %d contacts %d rattlers %d\n",
-          row, worst / largest, m->residual, m->steps, m->polished, m->factorisations, m->contacts,
-          m->rattlers);
+      print_message("  row %d: %.1e  residual %.1e steps %ld Newton-finished %d factorisations %d contacts "
+                    "%d rattlers %d\n",
+                    row, worst / largest, m->residual, m->steps, m->polished, m->factorisations, m->contacts,
+                    m->rattlers);
     compare_energies(m, out, row, c->friction_angle > 0);
     compare_tangent(c->name, row, A);
     OK(gh_rve_commit(rve));

@@ -12,7 +12,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* What a finite element program keeps per integration point: the state at the begin of the step and at its
+/* What a finite element program keeps per integration point: the state at the start of the step and at its
  * end. */
 typedef struct point {
   double *begin, *end;
@@ -35,7 +35,7 @@ static void start(gh_context *ctx, gh_rve *rve, point *p) {
   memcpy(p->end, p->begin, p->begin_size * sizeof *p->begin);
 }
 
-/* The material law, in the form of a UMAT: state at the begin of the step and F at its end in; P, A = dP/dF
+/* The material law, in the form of a UMAT: state at the start of the step and F at its end in; P, A = dP/dF
  * and the state at the end out. It may be called for the same step as often as Newton wants: p->begin does
  * not change. Returns GH_DIVERGED where the packing finds no equilibrium: the caller takes a smaller step. */
 static gh_status material(gh_rve *rve, point *p, const double F[4], double P[4], double A[16]) {
@@ -50,7 +50,7 @@ static gh_status material(gh_rve *rve, point *p, const double F[4], double P[4],
   return gh_rve_save_trial(rve, p->end);
 }
 
-/* The step has converged: its end is the begin of the next. (To give a step up, just do not call this.) */
+/* The step has converged: its end is the start of the next. (To give a step up, just do not call this.) */
 static void commit(point *p) {
   point old = *p;
   p->begin = old.end, p->begin_size = old.end_size;

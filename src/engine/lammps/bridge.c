@@ -1,7 +1,7 @@
 /* The LAMMPS engine: one quiet LAMMPS instance per packing. SPDX-License-Identifier: GPL-2.0-or-later
  *
  * LAMMPS cells are upper triangular. The cell H is split into Q T (Q a rotation), a multiple of the first
- * lattice vector taken off the second until the tilt is at most half, the grains are turned by Q^T and
+ * lattice vector taken off the second until the tilt is at most half, the grains are rotated by Q^T and
  * wrapped. Vectors that come out are turned back by Q. A cluster keeps its frame and has no images.
  * gh_engine_set writes into LAMMPS's arrays and forces a new neighbour list: what follows depends on nothing
  * that came before.
@@ -130,7 +130,7 @@ static gh_status allocate(gh_context *ctx, bridge *e) {
   return gh_alloc(ctx, n + 1, sizeof(int), &e->first);
 }
 
-/* Box of one by one, to be changed by the first set; the settings come before it. */
+/* Box of one by one, to be changed by the first set; the configuration come before it. */
 static gh_status make_box(bridge *e, int types) {
   gh_context *ctx = e->ctx;
   void *lmp = e->lmp;

@@ -72,7 +72,7 @@ void bridge_image_of_lammps(const bridge *e, int i, int j, const int image[2], i
 /* Lattice of n in the frame and the basis of the present cell. */
 void bridge_lattice_n(const bridge *e, double H[4]);
 gh_status bridge_check_valid(const bridge *e);
-/* Positions now, unwrapped, in the frame of space. Held grains are where they were put, to the last bit. */
+/* Positions now, unwrapped, in the frame of space. Fixed grains are where they were put, to the last bit. */
 gh_status bridge_read_positions(bridge *e);
 
 /* ---- bridge_contacts.c ---- */

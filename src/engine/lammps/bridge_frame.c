@@ -47,7 +47,7 @@ void bridge_decode_image(int image, double k[2]) {
   k[1] = ((image >> 10) & 1023) - 512;
 }
 
-/* Writes the given positions, wrapped anew from them alone. */
+/* Writes the given positions, wrapped again from them alone. */
 /* ---- images of state n ---- */
 
 /* Image between positions as given, in the basis of the cell, from LAMMPS's and back. */
@@ -78,7 +78,7 @@ gh_status bridge_check_valid(const bridge *e) {
                  "the LAMMPS engine has no positions: gh_engine_set was not called or failed");
 }
 
-/* Positions now, unwrapped, in the frame of space. Held grains are where they were put, to the last bit. */
+/* Positions now, unwrapped, in the frame of space. Fixed grains are where they were put, to the last bit. */
 gh_status bridge_read_positions(bridge *e) {
   memcpy(e->x, e->given, 2 * (size_t)e->n * sizeof(double));
   if (!e->relaxed) return GH_OK;

@@ -60,7 +60,7 @@ void FixHistory::configure(bool step, bool turn_too, bool keep) {
   each_step = step;
   turns = turn_too;
   keep_alpha = keep;
-  elsewhere = false; /* fix granhom/relax says otherwise after this */
+  elsewhere = false; /* fix granhom/relax states otherwise after this */
 }
 
 /* ---- geometry ---- */

@@ -1,7 +1,7 @@
 /* LAMMPS fix granhom/history: the converged state n of pair style granhom/coulomb.
  * SPDX-License-Identifier: GPL-2.0-or-later
  *
- * The pair style makes it at the begin of the first run. Each atom keeps its own record of every partner, so
+ * The pair style makes it at the start of the first run. Each atom keeps its own record of every partner, so
  * that it takes them along to another rank, and keys them by the partner's id and the lattice vectors between
  * the unwrapped positions: wrapping does not change those. The trial state is written down where it was
  * evaluated, positions included, and becomes state n later (commit), whatever has moved meanwhile. */

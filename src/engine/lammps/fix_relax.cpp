@@ -392,7 +392,7 @@ void FixRelax::post_run() {
              tolerance, steps);
     if (comm->me == 0) error->warning(FLERR, std::string(text));
   }
-  fresh = ended != RUNNING; /* a run with pre no goes on with what is unfinished */
+  fresh = ended != RUNNING; /* a run with pre no continues with what is unfinished */
 }
 
 double FixRelax::compute_vector(int n) {

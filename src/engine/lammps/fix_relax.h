@@ -41,7 +41,7 @@ public:
   /* One time step as LAMMPS's run_style verlet makes it, without a command to be parsed and without output.
    */
   void advance();
-  /* The box becomes [0, lx] x [0, ly] with the tilt xy; the lists are made anew in the next step. */
+  /* The box becomes [0, lx] x [0, ly] with the tilt xy; the lists are rebuilt in the next step. */
   void set_cell(double lx, double ly, double xy);
   void rebuild_next();
   /* The next steps relax, until finished(). */

@@ -38,7 +38,7 @@ void FixRelax::drive(bool periodic) {
   box_change = BOX_CHANGE_X | BOX_CHANGE_Y | (periodic ? BOX_CHANGE_XY : 0);
 }
 
-/* Neighbours anew: pre_exchange brings grains back into the box, or the box to the grains. */
+/* Neighbours again: pre_exchange brings grains back into the box, or the box to the grains. */
 void FixRelax::renew_lists() {
   modify->pre_exchange();
   if (domain->triclinic) domain->x2lamda(atom->nlocal);

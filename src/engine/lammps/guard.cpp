@@ -207,7 +207,7 @@ gh_status guard_create_atoms(gh_context *ctx, void *lmp, int n, const int *id, c
 gh_status guard_setting(gh_context *ctx, void *lmp, const char *name, int *value) {
   return guarded(ctx, lmp, name, [&] {
     *value = lammps_extract_setting(lmp, name);
-    return *value >= 0 ? GH_OK : gh_fail(ctx, GH_ENGINE, "LAMMPS has no setting %s", name);
+    return *value >= 0 ? GH_OK : gh_fail(ctx, GH_ENGINE, "LAMMPS has no parameter %s", name);
   });
 }
 

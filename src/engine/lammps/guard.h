@@ -29,14 +29,14 @@ gh_status guard_program(gh_context *ctx, int argc, char **argv, bool programs, i
 
 /* ---- driving a fix granhom/relax with `inner yes` ---- */
 
-/* Takes it over, before the first run: from now on nothing moves in a step unless guard_relax says so, and
+/* Takes it over, before the first run: from now on nothing moves in a step unless guard_relax states so, and
  * the cell may change between steps. A cluster's box (periodic false) follows its grains. Gives the bit of
  * the fix's group in "mask". */
 gh_status guard_drive(gh_context *ctx, void *lmp, const char *id, bool periodic, int *group_bit);
-/* The box becomes [0, t0] x [0, t3] with tilt t1 (t2 is 0); the neighbour list is made anew in the next
+/* The box becomes [0, t0] x [0, t3] with tilt t1 (t2 is 0); the neighbour list is rebuilt in the next
  * step. */
 gh_status guard_set_cell(gh_context *ctx, void *lmp, const char *id, const double t[4]);
-/* The neighbour list is made anew in the next step. */
+/* The neighbour list is rebuilt in the next step. */
 gh_status guard_rebuild(gh_context *ctx, void *lmp, const char *id);
 /* One time step, after the first run: forces and, where they are due, lists. Like a `run 1 pre no post no`,
  * without text and without memory. */

@@ -52,7 +52,7 @@ std::size_t PairCoulomb::index(int i, int j) const {
   return (std::size_t)i * (atom->ntypes + 1) + j;
 }
 
-/* ---- what the script says ---- */
+/* ---- what the script states ---- */
 
 void PairCoulomb::settings(int narg, char **arg) {
   const std::string illegal = "Illegal pair_style granhom/coulomb command: ";
@@ -369,10 +369,10 @@ void PairCoulomb::compare(const char *data) const {
   data += sizeof head;
   const std::string differs = "The restart file holds the history of pair granhom/coulomb with ";
   if (head[0] != fixed)
-    error->all(FLERR, differs + "rotations " + (fixed ? "free" : "fixed") + ", the script says " +
+    error->all(FLERR, differs + "rotations " + (fixed ? "free" : "fixed") + ", the script states " +
                           (fixed ? "fixed" : "free"));
   if (head[1] != objective)
-    error->all(FLERR, differs + "slip " + (objective ? "projected" : "objective") + ", the script says " +
+    error->all(FLERR, differs + "slip " + (objective ? "projected" : "objective") + ", the script states " +
                           (objective ? "objective" : "projected"));
   for (int i = 1; i <= atom->ntypes; i++)
     for (int j = i; j <= atom->ntypes; j++, data += sizeof p) {

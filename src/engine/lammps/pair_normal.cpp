@@ -118,7 +118,7 @@ void PairNormal::init_style() {
   neighbor->request(this, instance_me);
 }
 
-/* LAMMPS would drop what a restart file says of friction with a warning. A fix of that name takes it up, if
+/* LAMMPS would drop what a restart file states of friction with a warning. A fix of that name takes it up, if
  * there is any. */
 void PairNormal::refuse_history() {
   if (!modify->nfix_restart_global || modify->find_fix(FixHistory::ID) >= 0) return;

@@ -20,7 +20,7 @@
 
 namespace {
 
-/* A loaded library: what its dynamic section says. */
+/* A loaded library: what its dynamic section states. */
 struct library {
   link_map *map = nullptr;
   const ElfW(Sym) *symbols = nullptr;

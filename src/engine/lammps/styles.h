@@ -6,7 +6,7 @@
 
 #include "pointers.h"
 
-/* All styles: name, class, what `plugin load` says of it. */
+/* All styles: name, class, what `plugin load` states of it. */
 #define GH_LAMMPS_STYLES(PAIR, FIX, COMPUTE)                                                                 \
   PAIR("granhom/normal", PairNormal, "one-sided harmonic normal contact")                                    \
   PAIR("granhom/coulomb", PairCoulomb, "normal contact and Coulomb friction")                                \

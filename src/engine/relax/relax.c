@@ -123,8 +123,7 @@ double gh_relax_safe_step(const gh_relax_state *s) {
 }
 
 double gh_relax_move(gh_relax_state *s, double a, double b, double dt) {
-  const double fastest =
-      0.9 * s->slack / dt; /* so that round-off does not decide when the list is made anew */
+  const double fastest = 0.9 * s->slack / dt; /* so that round-off does not decide when the list is rebuilt */
   double far = 0;
   for (int i = 0; i < s->n; i++) {
     const double free = s->held && s->held[i] ? 0 : 1;

@@ -34,7 +34,7 @@ typedef struct gh_relax_state {
   double *x, *v, *f; /* n x 2: positions, velocities of the last half step, forces */
   const double *x0;  /* n x 2: positions at which the pairs were found */
   double slack;      /* leave when a grain is farther than this from x0 (half the skin) */
-  int started; /* 0: v is not yet set (4.41); a new relaxation begins with 0, a new pair list goes on with 1
+  int started; /* 0: v is not yet set (4.41); a new relaxation begins with 0, a new pair list continues with 1
                 */
   double damping; /* of the last step; 0 at the start; carried from list to list like `started` */
   gh_fire fire;   /* gh_relax_fire alone */
@@ -52,7 +52,7 @@ typedef enum gh_relax_end {
 } gh_relax_end;
 
 /* Runs central differences (4.39), (4.40) with unit masses until the residual is at most `tolerance`, the
- * list must be made anew, `max_steps` force evaluations are spent, or the mean normal force is at most
+ * list must be rebuilt, `max_steps` force evaluations are spent, or the mean normal force is at most
  * `floor`. Time step from a bound of the largest eigenvalue, damping from the running Rayleigh quotient
  * (4.47). On return f belongs to x. Writes residual and mean force, adds the force evaluations to *steps. */
 gh_relax_end gh_relax_run(gh_relax_state *s, double tolerance, double floor, long max_steps, double *residual,

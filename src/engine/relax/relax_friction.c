@@ -10,7 +10,7 @@
 
 enum { BOUND_EVERY = 32 }; /* steps between two bounds of the largest eigenvalue */
 
-/* Least damping, over 1/dt: at first (relax.c says why), and at most. It is doubled where the residual has
+/* Least damping, over 1/dt: at first (relax.c states why), and at most. It is doubled where the residual has
  * not come down to half in PATIENCE steps: sliding contacts make the stiffness unsymmetric, and grains may
  * circle, fed by the forces, without that the quotient of Rayleigh sees anything to damp. */
 static const double LEAST_DAMPING = 1e-2, MOST_DAMPING = 1;
@@ -25,7 +25,7 @@ enum { PER_BLOCK = 6 };
 /* Grains between contacts that slide the wrong way spin: nothing resists until the slip of one of them has
  * gone back to its limit, and a small moment takes thousands of steps for it. So where the residual has not
  * come down to half in SPIN_PATIENCE steps and is below SPIN_RESIDUAL, those that turned the most since then
- * go on at once to where nothing drives them any more, if that is SPIN_LEAST times as far or farther. */
+ * continue at once to where nothing drives them any more, if that is SPIN_LEAST times as far or farther. */
 enum { SPIN_PATIENCE = 200, SPIN_LEAST = 2, SPIN_TRIALS = 60 };
 static const double SPIN_RESIDUAL = 1e-3, SPIN_SHARE = 0.5, SPIN_REST = 1e-3;
 

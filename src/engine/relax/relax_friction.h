@@ -18,7 +18,7 @@ typedef struct gh_pair_memory {
   double gamma, gamma_pl, alpha;
 } gh_pair_memory;
 
-/* Whether the residual comes down; zero at the start, but for `least` where a relaxation is gone on with;
+/* Whether the residual comes down; zero at the start, but for `least` where a relaxation is continued;
  * carried from list to list like `started`. */
 typedef struct gh_relax_watch {
   double record; /* residual to come down to half of */
@@ -43,11 +43,11 @@ typedef struct gh_relax_friction {
 size_t gh_relax_friction_work(int n, int npairs);
 
 /* As gh_relax_run, with rotations: unit masses and inertia r^2/2, which makes both kinds of motion converge
- * alike. Held grains turn, unless the law fixes rotations. The residual counts |m|/r like |f|. */
+ * alike. Fixed grains rotate, unless the law fixes rotations. The residual counts |m|/r like |f|. */
 gh_relax_end gh_relax_friction_run(gh_relax_friction *s, double tolerance, double floor, long max_steps,
                                    double *residual, double *mean_force, long *steps);
 /* Forces and moments at x, theta. Returns the largest force on a free grain or moment over radius on a grain
- * that may turn; *mean_force is the mean normal contact force (0: no contact). */
+ * that may rotate; *mean_force is the mean normal contact force (0: no contact). */
 double gh_relax_friction_forces(gh_relax_friction *s, double *mean_force);
 
 /* The same in two parts, for those who evaluate many times on one list (relax_fire.c): once for each list,
