@@ -1,5 +1,5 @@
-/* What the subcommands share: context with log and progress on standard error.
- * SPDX-License-Identifier: GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* What the subcommands share: context with log and progress on standard error. */
 #include "cli.h"
 
 #include "granhom/io.h"

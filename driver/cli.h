@@ -1,4 +1,5 @@
-/* What the subcommands of granhom share. SPDX-License-Identifier: GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* What the subcommands of granhom share. */
 #ifndef GRANHOM_CLI_H
 #define GRANHOM_CLI_H
 

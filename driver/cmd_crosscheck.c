@@ -1,5 +1,5 @@
-/* granhom crosscheck: one packing and path through several programs. SPDX-License-Identifier:
- * GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* granhom crosscheck: one packing and path through several programs. */
 #include "cli.h"
 #include "packing_options.h"
 #include "path.h"

@@ -1,5 +1,5 @@
-/* granhom element: one material point under prescribed stresses and strains. SPDX-License-Identifier:
- * GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* granhom element: one material point under prescribed stresses and strains. */
 #include "cli.h"
 #include "element_spec.h"
 #include "packing_options.h"

@@ -1,5 +1,5 @@
-/* granhom lammps: runs a LAMMPS input script with granhom's styles. SPDX-License-Identifier: GPL-2.0-or-later
- */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* granhom lammps: runs a LAMMPS input script with granhom's styles. */
 #include "cli.h"
 
 #include "granhom/lammps.h"

@@ -1,4 +1,5 @@
-/* granhom pack: grows packings from a sieve curve. SPDX-License-Identifier: GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* granhom pack: grows packings from a sieve curve. */
 #include "cli.h"
 #include "pack_spec.h"
 

@@ -1,4 +1,5 @@
-/* granhom plot: pictures of a folder of results. SPDX-License-Identifier: GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* granhom plot: pictures of a folder of results. */
 #include "cli.h"
 #include "granhom/io.h"
 #include "granhom/report.h"

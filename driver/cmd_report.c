@@ -1,4 +1,5 @@
-/* granhom report: one HTML page about a folder of results. SPDX-License-Identifier: GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* granhom report: one HTML page about a folder of results. */
 #include "cli.h"
 #include "granhom/report.h"
 

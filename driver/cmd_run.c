@@ -1,4 +1,5 @@
-/* granhom run: a scene from file to results. SPDX-License-Identifier: GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* granhom run: a scene from file to results. */
 #include "cli.h"
 #include "folder_options.h"
 

@@ -1,4 +1,5 @@
-/* granhom rve: one material point along a path of F. SPDX-License-Identifier: GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* granhom rve: one material point along a path of F. */
 #include "cli.h"
 #include "packing_options.h"
 #include "path.h"

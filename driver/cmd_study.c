@@ -1,4 +1,5 @@
-/* granhom study: error against run time. SPDX-License-Identifier: GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* granhom study: error against run time. */
 #include "cli.h"
 #include "folder_options.h"
 

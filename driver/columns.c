@@ -1,4 +1,5 @@
-/* Columns of the results of granhom rve and granhom element. SPDX-License-Identifier: GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* Columns of the results of granhom rve and granhom element. */
 #include "reference.h"
 
 const gh_term columns_point[] = {

@@ -1,4 +1,5 @@
-/* From the arguments of a subcommand to its exit status. SPDX-License-Identifier: GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* From the arguments of a subcommand to its exit status. */
 #include "cli.h"
 
 #include <stdlib.h>

@@ -1,5 +1,5 @@
-/* What an element test prescribes, against the known limits of a granulate. SPDX-License-Identifier:
- * GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* What an element test prescribes, against the known limits of a granulate. */
 #include "element_spec.h"
 
 #include <string.h>

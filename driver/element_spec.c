@@ -1,4 +1,5 @@
-/* What `granhom element` shall do. SPDX-License-Identifier: GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* What `granhom element` shall do. */
 #include "element_spec.h"
 #include "reference.h"
 

@@ -1,5 +1,5 @@
-/* What `granhom element` shall do: steps of conditions, from a YAML file or a table. SPDX-License-Identifier:
- * GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* What `granhom element` shall do: steps of conditions, from a YAML file or a table. */
 #ifndef GRANHOM_ELEMENT_SPEC_H
 #define GRANHOM_ELEMENT_SPEC_H
 

@@ -1,4 +1,5 @@
-/* Options of what writes a folder of results. SPDX-License-Identifier: GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* Options of what writes a folder of results. */
 #include "folder_options.h"
 #include "cli.h"
 

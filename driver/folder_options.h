@@ -1,5 +1,5 @@
-/* Options of what writes a folder of results: granhom run and study. SPDX-License-Identifier:
- * GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* Options of what writes a folder of results: granhom run and study. */
 #ifndef GRANHOM_FOLDER_OPTIONS_H
 #define GRANHOM_FOLDER_OPTIONS_H
 

@@ -1,4 +1,5 @@
-/* granhom: finds the subcommand. SPDX-License-Identifier: GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* granhom: finds the subcommand. */
 #include "cli.h"
 #include "reference.h"
 

@@ -1,4 +1,5 @@
-/* Values of options by the rows of a table. SPDX-License-Identifier: GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* Values of options by the rows of a table. */
 #include "options.h"
 
 #include "granhom/io.h"

@@ -1,5 +1,6 @@
+/* SPDX-License-Identifier: GPL-2.0-or-later */
 /* Options of a command line as rows of a table: one parser, one help text, and the keys of a YAML file where
- * a command has one. SPDX-License-Identifier: GPL-2.0-or-later
+ * a command has one.
  *
  * A command has a struct of arguments, filled with its defaults, and groups of rows, which say where in it
  * the values go. Groups that several commands share stand in packing_options.h and folder_options.h. */

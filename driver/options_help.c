@@ -1,4 +1,5 @@
-/* Options as the text of `granhom help`. SPDX-License-Identifier: GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* Options as the text of `granhom help`. */
 #include "options.h"
 
 #include <string.h>

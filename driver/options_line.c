@@ -1,4 +1,5 @@
-/* A command line by the rows of a table, with getopt_long. SPDX-License-Identifier: GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* A command line by the rows of a table, with getopt_long. */
 #include "options.h"
 
 #include "granhom/io.h"

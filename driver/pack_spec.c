@@ -1,5 +1,5 @@
-/* The parameters of `granhom pack`, as options and as keys of a file. SPDX-License-Identifier:
- * GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* The parameters of `granhom pack`, as options and as keys of a file. */
 #include "pack_spec.h"
 
 #include "granhom/io.h"

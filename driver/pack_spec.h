@@ -1,5 +1,5 @@
-/* What `granhom pack` shall do: from a YAML file and from options, by the same words.
- * SPDX-License-Identifier: GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* What `granhom pack` shall do: from a YAML file and from options, by the same words. */
 #ifndef GRANHOM_PACK_SPEC_H
 #define GRANHOM_PACK_SPEC_H
 

@@ -1,4 +1,5 @@
-/* Options of what is done with one packing. SPDX-License-Identifier: GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* Options of what is done with one packing. */
 #include "packing_options.h"
 
 static const char *const boundaries[] = {[GH_TAYLOR] = "taylor",

@@ -1,5 +1,5 @@
-/* Options of what is done with one packing: granhom rve, element and crosscheck. SPDX-License-Identifier:
- * GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* Options of what is done with one packing: granhom rve, element and crosscheck. */
 #ifndef GRANHOM_PACKING_OPTIONS_H
 #define GRANHOM_PACKING_OPTIONS_H
 

@@ -1,4 +1,5 @@
-/* A path of deformation gradients from a CSV file. SPDX-License-Identifier: GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* A path of deformation gradients from a CSV file. */
 #include "path.h"
 
 void path_F(const path_rows *path, int row, double F[4]) {

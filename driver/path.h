@@ -1,4 +1,5 @@
-/* A path of deformation gradients from a CSV file. SPDX-License-Identifier: GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* A path of deformation gradients from a CSV file. */
 #ifndef GRANHOM_DRIVER_PATH_H
 #define GRANHOM_DRIVER_PATH_H
 

@@ -1,4 +1,5 @@
-/* A build without MPI (make MPI=0): one process. SPDX-License-Identifier: GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* A build without MPI (make MPI=0): one process. */
 #include "cli.h"
 
 #include <stdlib.h>

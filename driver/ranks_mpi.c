@@ -1,4 +1,5 @@
-/* The ranks of a command, by MPI. SPDX-License-Identifier: GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* The ranks of a command, by MPI. */
 #include "cli.h"
 #include "granhom/io.h"
 

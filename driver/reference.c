@@ -1,4 +1,5 @@
-/* granhom help keys, granhom help columns. SPDX-License-Identifier: GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* granhom help keys, granhom help columns. */
 #include "reference.h"
 #include "pack_spec.h"
 

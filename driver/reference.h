@@ -1,5 +1,5 @@
-/* What granhom knows of its own files: keys, columns, conditions. SPDX-License-Identifier: GPL-2.0-or-later
- */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* What granhom knows of its own files: keys, columns, conditions. */
 #ifndef GRANHOM_REFERENCE_H
 #define GRANHOM_REFERENCE_H
 

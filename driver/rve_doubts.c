@@ -1,5 +1,5 @@
-/* Warnings of granhom rve and granhom element: docs/explanation/method.md, "Limit cycles".
- * SPDX-License-Identifier: GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* Warnings of granhom rve and granhom element: docs/explanation/method.md, "Limit cycles". */
 #include "rve_doubts.h"
 
 void rve_doubts_add(rve_doubts *d, const gh_rve_measures *m) {

@@ -1,6 +1,5 @@
-/* Warnings of equilibria within a looser tolerance than the one required. SPDX-License-Identifier:
- * GPL-2.0-or-later
- */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* Warnings of equilibria within a looser tolerance than the one required. */
 #ifndef GRANHOM_RVE_DOUBTS_H
 #define GRANHOM_RVE_DOUBTS_H
 

@@ -1,5 +1,6 @@
+/* SPDX-License-Identifier: GPL-2.0-or-later */
 /* Energy imbalance and step doubling along a path of one material point: docs/explanation/method.md, "Error
- * estimates". SPDX-License-Identifier: GPL-2.0-or-later */
+ * estimates". */
 #include "rve_error.h"
 
 #include <string.h>

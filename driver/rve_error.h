@@ -1,4 +1,5 @@
-/* What a path of one material point knows of its error. SPDX-License-Identifier: GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* What a path of one material point knows of its error. */
 #ifndef GRANHOM_RVE_ERROR_H
 #define GRANHOM_RVE_ERROR_H
 

@@ -1,4 +1,5 @@
-/* States of one material point in HDF5 files. SPDX-License-Identifier: GPL-2.0-or-later
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* States of one material point in HDF5 files.
  *
  * boundary          word
  * law               7: normal stiffness, friction or not, tangential stiffness, friction coefficient,

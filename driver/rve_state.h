@@ -1,4 +1,5 @@
-/* States of one material point in files. SPDX-License-Identifier: GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* States of one material point in files. */
 #ifndef GRANHOM_RVE_STATE_H
 #define GRANHOM_RVE_STATE_H
 

@@ -1,5 +1,5 @@
-/* Columns that the tables of granhom rve and granhom element share. SPDX-License-Identifier:
- * GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* Columns that the tables of granhom rve and granhom element share. */
 #ifndef GRANHOM_RVE_TABLE_H
 #define GRANHOM_RVE_TABLE_H
 

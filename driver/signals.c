@@ -1,4 +1,5 @@
-/* SIGINT and SIGTERM end long commands in an orderly way. SPDX-License-Identifier: GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* SIGINT and SIGTERM end long commands in an orderly way. */
 #include "cli.h"
 
 #include <signal.h>

@@ -1,4 +1,5 @@
-/* What the tests of packings and RVEs share. SPDX-License-Identifier: GPL-2.0-or-later
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* What the tests of packings and RVEs share.
  * GH_ENGINE=native or lammps restricts them to one engine. */
 #ifndef GRANHOM_TESTS_HELP_H
 #define GRANHOM_TESTS_HELP_H

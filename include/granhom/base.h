@@ -1,4 +1,5 @@
-/* granhom: status and error text, log and progress, tensors. SPDX-License-Identifier: GPL-2.0-or-later
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* granhom: status and error text, log and progress, tensors.
  *
  * Conventions of the whole library
  *  - Every public name starts with gh_; object, then verb: gh_rve_evaluate(). Inputs first, results last.

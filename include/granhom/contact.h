@@ -1,5 +1,5 @@
-/* granhom: the contact laws, the one place where contact forces and their derivatives are written.
- * SPDX-License-Identifier: GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* granhom: the contact laws, the one place where contact forces and their derivatives are written. */
 #ifndef GRANHOM_CONTACT_H
 #define GRANHOM_CONTACT_H
 

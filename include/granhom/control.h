@@ -1,5 +1,5 @@
-/* granhom: one material point under prescribed stresses and strains. SPDX-License-Identifier:
- * GPL-2.0-or-later
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* granhom: one material point under prescribed stresses and strains.
  *
  * A test of a material prescribes some components of the stress and some of the deformation: a biaxial
  * compression holds the side stress and drives the height, an undrained shear holds the volume. Here F is

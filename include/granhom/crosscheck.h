@@ -1,6 +1,6 @@
+/* SPDX-License-Identifier: GPL-2.0-or-later */
 /* granhom: other programs for the discrete element method on the same packing and path, to check against;
  * their stresses compared.
- * SPDX-License-Identifier: GPL-2.0-or-later
  *
  * A peer takes a periodic packing along a path of deformation gradients with its own contact law and its own
  * time integration: LAMMPS's pair style gran/hooke/history, in this process, and LIGGGHTS's `gran model

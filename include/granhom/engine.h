@@ -1,5 +1,6 @@
+/* SPDX-License-Identifier: GPL-2.0-or-later */
 /* granhom: engines evaluate contacts and relax grains; the seam between the RVE and the discrete element
- * method. SPDX-License-Identifier: GPL-2.0-or-later
+ * method.
  *
  * An engine is a workspace for one packing: radii, law and which grains are fixed are given once. With
  * friction, the converged state n is given at the start of an increment. Cell, positions and rotations are

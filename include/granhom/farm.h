@@ -1,5 +1,6 @@
+/* SPDX-License-Identifier: GPL-2.0-or-later */
 /* granhom: a batch of material points; the seam between the macro problem and what stands in for a material
- * law. SPDX-License-Identifier: GPL-2.0-or-later */
+ * law. */
 #ifndef GRANHOM_FARM_H
 #define GRANHOM_FARM_H
 

@@ -1,5 +1,5 @@
+/* SPDX-License-Identifier: GPL-2.0-or-later */
 /* granhom: from hard packings to mechanics: soft grains in equilibrium, wanted fabric.
- * SPDX-License-Identifier: GPL-2.0-or-later
  *
  * What is made is a packing like the one that came in: same grains, another cell, other positions. */
 #ifndef GRANHOM_FINISH_H

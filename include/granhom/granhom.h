@@ -1,4 +1,5 @@
-/* granhom: all public headers. SPDX-License-Identifier: GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* granhom: all public headers. */
 #ifndef GRANHOM_H
 #define GRANHOM_H
 #define GH_VERSION "0.1.0"

@@ -1,4 +1,5 @@
-/* granhom: file formats; nothing of mechanics. SPDX-License-Identifier: GPL-2.0-or-later
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* granhom: file formats; nothing of mechanics.
  * All errors carry the file's name and, for text, the line: "block.yaml:12: ...". Readers give GH_INPUT,
  * writers GH_SYSTEM. */
 #ifndef GRANHOM_IO_H

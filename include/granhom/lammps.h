@@ -1,4 +1,5 @@
-/* granhom: LAMMPS's library interface with its errors caught. SPDX-License-Identifier: GPL-2.0-or-later
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* granhom: LAMMPS's library interface with its errors caught.
  *
  * Every function returns GH_ENGINE with LAMMPS's own message where LAMMPS would have ended the process, and
  * checks names and pointers that LAMMPS does not check. After an error the instance can be closed, and used

@@ -1,4 +1,5 @@
-/* granhom: known limits of a granulate of soft grains. SPDX-License-Identifier: GPL-2.0-or-later
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* granhom: known limits of a granulate of soft grains.
  *
  * The contact law describes grains that are stiff: overlaps stand for small deformations near the contacts.
  * Stress over normal stiffness (both force per length) is about the overlap over the radius, so that a state

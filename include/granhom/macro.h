@@ -1,4 +1,5 @@
-/* granhom: the macro problem: loads, Newton. SPDX-License-Identifier: GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* granhom: the macro problem: loads, Newton. */
 #ifndef GRANHOM_MACRO_H
 #define GRANHOM_MACRO_H
 

@@ -1,5 +1,5 @@
-/* granhom: meshes of bilinear quadrilaterals: reference element, Gmsh, sets, measures at nodes and cells.
- * SPDX-License-Identifier: GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* granhom: meshes of bilinear quadrilaterals: reference element, Gmsh, sets, measures at nodes and cells. */
 #ifndef GRANHOM_MESH_H
 #define GRANHOM_MESH_H
 

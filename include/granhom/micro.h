@@ -1,5 +1,5 @@
-/* granhom: one representative volume element (RVE): F in, Piola stress and tangent out.
- * SPDX-License-Identifier: GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* granhom: one representative volume element (RVE): F in, Piola stress and tangent out. */
 #ifndef GRANHOM_MICRO_H
 #define GRANHOM_MICRO_H
 

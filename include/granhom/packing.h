@@ -1,5 +1,5 @@
-/* granhom: packings of grains in a periodic cell, their replicas and boundary sets. SPDX-License-Identifier:
- * GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* granhom: packings of grains in a periodic cell, their replicas and boundary sets. */
 #ifndef GRANHOM_PACKING_H
 #define GRANHOM_PACKING_H
 

@@ -1,5 +1,5 @@
-/* granhom: pictures and reports of folders of results, pictures of packings.
- * SPDX-License-Identifier: GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* granhom: pictures and reports of folders of results, pictures of packings. */
 #ifndef GRANHOM_REPORT_H
 #define GRANHOM_REPORT_H
 

@@ -1,4 +1,5 @@
-/* granhom: results of a solver in a folder of files. SPDX-License-Identifier: GPL-2.0-or-later
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* granhom: results of a solver in a folder of files.
  *
  * A solver hands over a table of fields, a list of columns and the way to its packings; what is written knows
  * nothing else of it. After each increment all files are whole:

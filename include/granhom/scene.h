@@ -1,5 +1,5 @@
-/* granhom: scenes: reading and checking them, running their load steps.
- * SPDX-License-Identifier: GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* granhom: scenes: reading and checking them, running their load steps. */
 #ifndef GRANHOM_SCENE_H
 #define GRANHOM_SCENE_H
 

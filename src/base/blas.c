@@ -1,4 +1,5 @@
-/* Which BLAS is loaded. SPDX-License-Identifier: GPL-2.0-or-later
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* Which BLAS is loaded.
  *
  * The factors of CHOLMOD and UMFPACK are made by it, and the order of its sums is its own: another BLAS gives
  * other last bits. It is found by where its functions lie, so that nothing more is linked. */

@@ -1,4 +1,5 @@
-/* Which build of granhom this is. SPDX-License-Identifier: GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* Which build of granhom this is. */
 #include "granhom/base.h"
 
 #include "sources.h" /* made by the Makefile */

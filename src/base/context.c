@@ -1,4 +1,5 @@
-/* Context: the last message, the log and the progress sink. SPDX-License-Identifier: GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* Context: the last message, the log and the progress sink. */
 #include "granhom/base.h"
 
 #include <stdarg.h>

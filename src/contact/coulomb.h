@@ -1,5 +1,6 @@
+/* SPDX-License-Identifier: GPL-2.0-or-later */
 /* Coulomb friction by return mapping: force, couple, history and their exact derivative (dissertation 7.2,
- * Table 7.1, as settled in method 8.6-8.14). SPDX-License-Identifier: GPL-2.0-or-later
+ * Table 7.1, as settled in method 8.6-8.14).
  *
  * Everything is incremental between the converged state n and the trial state: l_n is the branch vector at n
  * (of the separated pair, if the contact formed since), gamma_n, gamma_pl_n and alpha_n its history, zero for

@@ -1,5 +1,5 @@
-/* One-sided harmonic normal contact (method 1; dissertation 4.3, 4.8, 4.12). SPDX-License-Identifier:
- * GPL-2.0-or-later
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* One-sided harmonic normal contact (method 1; dissertation 4.3, 4.8, 4.12).
  *
  * Branch vector l from grain i to grain j, overlap e = r_i + r_j - |l|, in contact when e >= 0.
  * Lines a simulation runs millions of times: inline, in C and in C++. */

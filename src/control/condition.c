@@ -1,5 +1,5 @@
-/* Conditions on stress and deformation: words, values, derivatives. SPDX-License-Identifier: GPL-2.0-or-later
- */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* Conditions on stress and deformation: words, values, derivatives. */
 #include "granhom/control.h"
 
 #include <ctype.h>

@@ -1,5 +1,5 @@
+/* SPDX-License-Identifier: GPL-2.0-or-later */
 /* One material point under mixed control: Newton, cuts, and servo control beyond jumps (method 6).
- * SPDX-License-Identifier: GPL-2.0-or-later
  *
  * Four equations g(F) = condition(F, P(F)) - target = 0 for the four components of F. Their lack is measured
  * as a strain: |M^-1 g|, where M is the derivative of g for an isotropic elastic solid (Lame constants

@@ -1,4 +1,5 @@
-/* Matrices of order four, row-major. SPDX-License-Identifier: GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* Matrices of order four, row-major. */
 #ifndef GRANHOM_CONTROL_FOUR_H
 #define GRANHOM_CONTROL_FOUR_H
 

@@ -1,4 +1,5 @@
-/* A program as a child process with a time limit. SPDX-License-Identifier: GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* A program as a child process with a time limit. */
 #define _GNU_SOURCE 1 /* environ */
 #include "crosscheck/child.h"
 

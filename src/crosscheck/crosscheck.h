@@ -1,5 +1,6 @@
-/* What the files of a cross-check share: one path, several programs, several subdivisions of the increments.
- * SPDX-License-Identifier: GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* What the files of a cross-check share: one path, several programs, several subdivisions of the
+ * increments. */
 #ifndef GRANHOM_CROSSCHECK_LEVELS_H
 #define GRANHOM_CROSSCHECK_LEVELS_H
 

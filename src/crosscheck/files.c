@@ -1,4 +1,5 @@
-/* The CSV files of a cross-check. SPDX-License-Identifier: GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* The CSV files of a cross-check. */
 #include "crosscheck/crosscheck.h"
 
 #include <stdlib.h>

@@ -1,5 +1,5 @@
-/* LAMMPS's own pair style gran/hooke/history along a path, in this process. SPDX-License-Identifier:
- * GPL-2.0-or-later
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* LAMMPS's own pair style gran/hooke/history along a path, in this process.
  *
  * The motion from row to row must reach the contacts as velocities: the style integrates the tangential
  * displacement from them, and grains that are moved with the box (`remap x`) would leave their springs

@@ -1,5 +1,5 @@
-/* A cross-check: the programs, and the differences of their rows. SPDX-License-Identifier: GPL-2.0-or-later
- */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* A cross-check: the programs, and the differences of their rows. */
 #include "crosscheck/crosscheck.h"
 
 const cross_engine cross_engines[GH_CROSS_ENGINES] = {

@@ -1,5 +1,6 @@
+/* SPDX-License-Identifier: GPL-2.0-or-later */
 /* LIGGGHTS along a path, as a child process: a script and a data file in a temporary folder, and per row a
- * file with the contacts in equilibrium. SPDX-License-Identifier: GPL-2.0-or-later
+ * file with the contacts in equilibrium.
  *
  * The script relaxes each row until the residual is met, with `jump`. The motion from row to row goes through
  * velocities for the reason stated in gran.c. LIGGGHTS 3.8 makes no images of grains in

@@ -1,5 +1,5 @@
-/* The peers' common half: which problems they take, frames, sums over contacts. SPDX-License-Identifier:
- * GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* The peers' common half: which problems they take, frames, sums over contacts. */
 #include "crosscheck/peers.h"
 
 #include "granhom/engine.h"

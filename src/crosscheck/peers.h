@@ -1,4 +1,5 @@
-/* What the peers share. SPDX-License-Identifier: GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* What the peers share. */
 #ifndef GRANHOM_CROSSCHECK_PEERS_H
 #define GRANHOM_CROSSCHECK_PEERS_H
 

@@ -1,4 +1,5 @@
-/* The picture of a cross-check. SPDX-License-Identifier: GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* The picture of a cross-check. */
 #include "crosscheck/crosscheck.h"
 
 #include "granhom/report.h"

@@ -1,5 +1,5 @@
-/* A peer along a path, and all programs along all paths of a cross-check. SPDX-License-Identifier:
- * GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* A peer along a path, and all programs along all paths of a cross-check. */
 #include "crosscheck/crosscheck.h"
 #include "crosscheck/peers.h"
 

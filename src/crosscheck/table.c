@@ -1,4 +1,5 @@
-/* The tables of a cross-check, for a reader. SPDX-License-Identifier: GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* The tables of a cross-check, for a reader. */
 #include "crosscheck/crosscheck.h"
 
 static void engine_print(const gh_crosscheck *c, int e, gh_text *out) {

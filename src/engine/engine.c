@@ -1,4 +1,5 @@
-/* Dispatch to the engines, and the checks that all of them need. SPDX-License-Identifier: GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* Dispatch to the engines, and the checks that all of them need. */
 #include "engine/module.h"
 #include "engine/ops.h"
 #include "granhom/lammps.h"

@@ -1,5 +1,5 @@
-/* LAMMPS's library interface, behind the module that is loaded on demand. SPDX-License-Identifier:
- * GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* LAMMPS's library interface, behind the module that is loaded on demand. */
 #include "granhom/lammps.h"
 
 #include "engine/module.h"

@@ -1,5 +1,5 @@
-/* What the module of the LAMMPS engine gives to the library that loads it. SPDX-License-Identifier:
- * GPL-2.0-or-later
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* What the module of the LAMMPS engine gives to the library that loads it.
  *
  * LAMMPS brings some fifty libraries along, which nobody should wait for who does not use it. So
  * src/engine/lammps/ is a module of its own, granhom-lammps.so, of which this table is the only way in. It

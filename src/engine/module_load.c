@@ -1,4 +1,5 @@
-/* The module of the LAMMPS engine, loaded on demand. SPDX-License-Identifier: GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* The module of the LAMMPS engine, loaded on demand. */
 #define _GNU_SOURCE
 #include "engine/module.h"
 

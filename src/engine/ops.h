@@ -1,5 +1,5 @@
-/* What an engine must be able to do; the private side of include/granhom/engine.h. SPDX-License-Identifier:
- * GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* What an engine must be able to do; the private side of include/granhom/engine.h. */
 #ifndef GRANHOM_ENGINE_OPS_H
 #define GRANHOM_ENGINE_OPS_H
 

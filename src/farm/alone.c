@@ -1,5 +1,5 @@
-/* A farm of one rank, where there is no MPI (make MPI=0): nobody to send to, nobody to serve.
- * SPDX-License-Identifier: GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* A farm of one rank, where there is no MPI (make MPI=0): nobody to send to, nobody to serve. */
 #include "farm/ranks.h"
 
 static gh_status rank_absent(gh_context *ctx) {

@@ -1,4 +1,5 @@
-/* Which rank computes what, by measured cost. SPDX-License-Identifier: GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* Which rank computes what, by measured cost. */
 #include "farm/books.h"
 
 #include <stdlib.h>

@@ -1,4 +1,5 @@
-/* Points, states and jobs of a farm. SPDX-License-Identifier: GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* Points, states and jobs of a farm. */
 #include "farm/books.h"
 
 #include <stdint.h>

@@ -1,5 +1,6 @@
-/* The books of a farm on rank 0: which point is in which state, where that lies, and what is to be computed.
- * SPDX-License-Identifier: GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* The books of a farm on rank 0: which point is in which state, where that lies, and what is to be
+ * computed. */
 #ifndef GRANHOM_FARM_BOOKS_H
 #define GRANHOM_FARM_BOOKS_H
 

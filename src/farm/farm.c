@@ -1,4 +1,5 @@
-/* A batch of material points. SPDX-License-Identifier: GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* A batch of material points. */
 #include "farm/internal.h"
 
 #include <stdlib.h>

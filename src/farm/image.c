@@ -1,4 +1,5 @@
-/* All converged states of a farm, out and in. SPDX-License-Identifier: GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* All converged states of a farm, out and in. */
 #include "farm/internal.h"
 
 #include <stdlib.h>

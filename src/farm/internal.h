@@ -1,4 +1,5 @@
-/* Private parts of a farm. SPDX-License-Identifier: GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* Private parts of a farm. */
 #ifndef GRANHOM_FARM_INTERNAL_H
 #define GRANHOM_FARM_INTERNAL_H
 

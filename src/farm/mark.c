@@ -1,5 +1,5 @@
-/* Converged states to come back to: references, entered in the books. SPDX-License-Identifier:
- * GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* Converged states to come back to: references, entered in the books. */
 #include "farm/internal.h"
 
 #include <stdlib.h>

@@ -1,4 +1,5 @@
-/* Messages between ranks on their way, by MPI. SPDX-License-Identifier: GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* Messages between ranks on their way, by MPI. */
 #include "farm/ranks.h"
 
 #include <sched.h>

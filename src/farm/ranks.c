@@ -1,4 +1,5 @@
-/* What is in a message between ranks. SPDX-License-Identifier: GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* What is in a message between ranks. */
 #include "farm/ranks.h"
 
 #include <limits.h>

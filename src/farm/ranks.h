@@ -1,5 +1,5 @@
-/* Messages between the ranks of a farm: docs/explanation/architecture.md, "Protocol of the ranks".
- * SPDX-License-Identifier: GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* Messages between the ranks of a farm: docs/explanation/architecture.md, "Protocol of the ranks". */
 #ifndef GRANHOM_FARM_RANKS_H
 #define GRANHOM_FARM_RANKS_H
 

@@ -1,4 +1,5 @@
-/* The ranks that serve rank 0. SPDX-License-Identifier: GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* The ranks that serve rank 0. */
 #include "farm/ranks.h"
 
 #include <stdlib.h>

@@ -1,4 +1,5 @@
-/* A farm of RVEs on rank 0: gives out jobs, gathers answers. SPDX-License-Identifier: GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* A farm of RVEs on rank 0: gives out jobs, gathers answers. */
 #include "farm/internal.h"
 
 #include <limits.h>

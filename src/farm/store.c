@@ -1,4 +1,5 @@
-/* States and RVEs of one rank. SPDX-License-Identifier: GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* States and RVEs of one rank. */
 #include "farm/store.h"
 
 #include <malloc.h>

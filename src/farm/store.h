@@ -1,4 +1,5 @@
-/* States of RVEs on one rank, and the RVEs that compute with them. SPDX-License-Identifier: GPL-2.0-or-later
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* States of RVEs on one rank, and the RVEs that compute with them.
  *
  * A state is a buffer of doubles in a numbered slot. An evaluation reads one slot and writes another; what
  * stands in a slot does not change until the slot is written again. Which RVE computes is of no consequence

@@ -1,4 +1,5 @@
-/* CSV files: a header line and rows of numbers. SPDX-License-Identifier: GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* CSV files: a header line and rows of numbers. */
 #include "io/csv.h"
 
 #include <stdlib.h>

@@ -1,5 +1,5 @@
-/* Dialects of CSV files: separators, quotes, decimal commas, units. SPDX-License-Identifier: GPL-2.0-or-later
- */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* Dialects of CSV files: separators, quotes, decimal commas, units. */
 #include "io/csv.h"
 
 #include <string.h>

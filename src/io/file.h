@@ -1,5 +1,5 @@
-/* What the file formats share: whole files in and out, lines, words. SPDX-License-Identifier:
- * GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* What the file formats share: whole files in and out, lines, words. */
 #ifndef GRANHOM_IO_FILE_H
 #define GRANHOM_IO_FILE_H
 

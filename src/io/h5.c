@@ -1,4 +1,5 @@
-/* HDF5: one writer, datasets of numbers. SPDX-License-Identifier: GPL-2.0-or-later
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* HDF5: one writer, datasets of numbers.
  * A file that is written is built in memory (HDF5's core driver) and goes to disk as a whole at the commit,
  * by the same way as text files, sealed with a checksum (seal.c). HDF5 1.10 does not survive a full disk: the
  * file cannot be closed any more and the program crashes at its end. HDF5 prints nothing: every public

@@ -1,5 +1,5 @@
-/* In the place of h5.c where there is no HDF5 (make HDF5=0): no file is ever open.
- * SPDX-License-Identifier: GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* In the place of h5.c where there is no HDF5 (make HDF5=0): no file is ever open. */
 #include "granhom/io.h"
 
 void gh_h5_start(void) {}

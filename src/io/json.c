@@ -1,4 +1,5 @@
-/* JSON by cJSON, without its silence about memory. SPDX-License-Identifier: GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* JSON by cJSON, without its silence about memory. */
 #include "io/json.h"
 
 #include <stdlib.h>

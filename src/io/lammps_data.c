@@ -1,4 +1,5 @@
-/* LAMMPS data files of atom_style sphere. SPDX-License-Identifier: GPL-2.0-or-later
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* LAMMPS data files of atom_style sphere.
  * The format: https://docs.lammps.org/read_data.html. The first line is a title; then header lines, whose
  * words stand behind their numbers, in any order; then sections, each opened by a line with its name. */
 #include "io/lammps_data.h"

@@ -1,4 +1,5 @@
-/* What the files of the reader of LAMMPS data files share. SPDX-License-Identifier: GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* What the files of the reader of LAMMPS data files share. */
 #ifndef GRANHOM_IO_LAMMPS_DATA_H
 #define GRANHOM_IO_LAMMPS_DATA_H
 

@@ -1,4 +1,5 @@
-/* The header of LAMMPS data files: counts and the cell. SPDX-License-Identifier: GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* The header of LAMMPS data files: counts and the cell. */
 #include "io/lammps_data.h"
 
 #include <limits.h>

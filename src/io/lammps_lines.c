@@ -1,4 +1,5 @@
-/* Lines and numbers of a LAMMPS data file. SPDX-License-Identifier: GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* Lines and numbers of a LAMMPS data file. */
 #include "io/lammps_data.h"
 
 #include <string.h>

@@ -1,4 +1,5 @@
-/* The sections of LAMMPS data files. SPDX-License-Identifier: GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* The sections of LAMMPS data files. */
 #include "io/lammps_data.h"
 
 #include <limits.h>

@@ -1,4 +1,5 @@
-/* One writer in a folder. SPDX-License-Identifier: GPL-2.0-or-later
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* One writer in a folder.
  *
  * The lock is one of the kernel's on DIR/.lock (open file description lock, which network file systems have
  * too): it ends with the process however that ends, so that a file that a killed process has left behind

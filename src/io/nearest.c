@@ -1,4 +1,5 @@
-/* The known word that a mistyped one is nearest to. SPDX-License-Identifier: GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* The known word that a mistyped one is nearest to. */
 #include "granhom/io.h"
 
 #include <limits.h>

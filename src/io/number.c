@@ -1,4 +1,5 @@
-/* Numbers in text: strict, finite, independent of the locale. SPDX-License-Identifier: GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* Numbers in text: strict, finite, independent of the locale. */
 #include "io/file.h"
 
 #include <errno.h>

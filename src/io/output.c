@@ -1,5 +1,5 @@
-/* Whether results can be written where they shall go, before they are computed. SPDX-License-Identifier:
- * GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* Whether results can be written where they shall go, before they are computed. */
 #include "granhom/io.h"
 
 #include <errno.h>

@@ -1,4 +1,5 @@
-/* Names of files. SPDX-License-Identifier: GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* Names of files. */
 #include "granhom/io.h"
 
 #include <libgen.h>

@@ -1,4 +1,5 @@
-/* Text files in: whole files, lines, words. SPDX-License-Identifier: GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* Text files in: whole files, lines, words. */
 #include "io/file.h"
 
 #include <errno.h>

@@ -1,4 +1,5 @@
-/* Files that appear whole or not at all. SPDX-License-Identifier: GPL-2.0-or-later
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* Files that appear whole or not at all.
  *
  * What is to become a file is written under another name in the same folder, fsynced and renamed. That name
  * is random and made with O_EXCL: programs that write the same file at the same time do not meet, and what

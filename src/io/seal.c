@@ -1,4 +1,5 @@
-/* Checksums of binary files. SPDX-License-Identifier: GPL-2.0-or-later
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* Checksums of binary files.
  *
  * A file of ours starts with 512 bytes of text, its seal: kind, length, and a sum over all bytes of
  * the file, in which the digits of the sum count as zeros. To HDF5 that is a user block, so that other

@@ -1,4 +1,5 @@
-/* Checksums of binary files. SPDX-License-Identifier: GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* Checksums of binary files. */
 #ifndef GRANHOM_IO_SEAL_H
 #define GRANHOM_IO_SEAL_H
 

@@ -1,4 +1,5 @@
-/* Folders for temporary files. SPDX-License-Identifier: GPL-2.0-or-later
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* Folders for temporary files.
  *
  * granhom-WHAT-PID-XXXXXX in $TMPDIR or /tmp. A file in it is locked as long as its process lives, so that a
  * folder that a killed process has left can be told from one in use, whatever process has that number now. */

@@ -1,4 +1,5 @@
-/* Keys and columns with what they mean. SPDX-License-Identifier: GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* Keys and columns with what they mean. */
 #include "granhom/io.h"
 
 void gh_terms_header(gh_text *out, const gh_term *terms, const char *separator) {

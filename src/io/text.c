@@ -1,4 +1,5 @@
-/* Text in memory, folders, paths. SPDX-License-Identifier: GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* Text in memory, folders, paths. */
 #include "io/file.h"
 
 #include <errno.h>

@@ -1,4 +1,5 @@
-/* Characters that titles, units and names do not hold. SPDX-License-Identifier: GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* Characters that titles, units and names do not hold. */
 #include "io/file.h"
 
 #include <string.h>

@@ -1,5 +1,6 @@
-/* YAML: reading on top of libyaml's documents, typed values with file and line. SPDX-License-Identifier:
- * GPL-2.0-or-later A document is checked as a whole when it is read: every key is a text and occurs once in
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* YAML: reading on top of libyaml's documents, typed values with file and line.
+ * A document is checked as a whole when it is read: every key is a text and occurs once in
  * its map, no aliases, no tags, one document per file. What asks for values later need not think of these. */
 #include "io/yaml.h"
 

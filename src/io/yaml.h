@@ -1,4 +1,5 @@
-/* A YAML document in memory: what reading and changing it share. SPDX-License-Identifier: GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* A YAML document in memory: what reading and changing it share. */
 #ifndef GRANHOM_IO_YAML_H
 #define GRANHOM_IO_YAML_H
 

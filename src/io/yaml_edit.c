@@ -1,4 +1,5 @@
-/* YAML: changing a document in memory, and printing it again. SPDX-License-Identifier: GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* YAML: changing a document in memory, and printing it again. */
 #include "io/yaml.h"
 
 #include <stdlib.h>

@@ -1,5 +1,5 @@
-/* Maps and numbers as the readers of scenes and studies need them. SPDX-License-Identifier: GPL-2.0-or-later
- */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* Maps and numbers as the readers of scenes and studies need them. */
 #include "granhom/io.h"
 
 static const double LARGE = 1e300;

@@ -1,5 +1,5 @@
-/* Pressure on the edges of elements: forces and their derivative. SPDX-License-Identifier: GPL-2.0-or-later
- */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* Pressure on the edges of elements: forces and their derivative. */
 #include "macro/internal.h"
 
 #include <string.h>

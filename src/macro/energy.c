@@ -1,5 +1,5 @@
+/* SPDX-License-Identifier: GPL-2.0-or-later */
 /* Work, energy and residuals of all converged substeps (docs/explanation/method.md, "Error estimates").
- * SPDX-License-Identifier: GPL-2.0-or-later
  *
  * All sums go over the integration points or the degrees of freedom in their order, so that they do not
  * depend on ranks. */

@@ -1,4 +1,5 @@
-/* One body in halves of the increments and one in whole increments. SPDX-License-Identifier: GPL-2.0-or-later
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* One body in halves of the increments and one in whole increments.
  *
  * The two do not begin each increment at the same state: each continues from its own, so that their
  * difference is that of two whole paths. What a stress owes to the length of the last increment alone (with

@@ -1,5 +1,5 @@
-/* From displacements to stresses, tangents and internal forces, through the farm of material points.
- * SPDX-License-Identifier: GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* From displacements to stresses, tangents and internal forces, through the farm of material points. */
 #include "macro/internal.h"
 
 #include <stdlib.h>

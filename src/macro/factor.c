@@ -1,5 +1,6 @@
+/* SPDX-License-Identifier: GPL-2.0-or-later */
 /* Factors of a sparse matrix: CHOLMOD for symmetric positive definite ones, UMFPACK for all, behind one
- * table. SPDX-License-Identifier: GPL-2.0-or-later */
+ * table. */
 #include "macro/internal.h"
 
 #include <cholmod.h>

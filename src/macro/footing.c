@@ -1,5 +1,5 @@
-/* Rigid massless footings: three unknowns that the nodes under them follow. SPDX-License-Identifier:
- * GPL-2.0-or-later
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* Rigid massless footings: three unknowns that the nodes under them follow.
  *
  * A footing moves by dc and rotates by an angle, exactly: x_a' = c + dc + Q (x_a - c), c the middle between
  * the ends of its edge. Unknowns are q = (dc, phi), phi the angle times half the length of the edge, so that

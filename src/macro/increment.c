@@ -1,4 +1,5 @@
-/* One increment of the loads: substeps, bisection, commits. SPDX-License-Identifier: GPL-2.0-or-later
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* One increment of the loads: substeps, bisection, commits.
  *
  * An increment starts at a state that the farm has committed. What holds the body there and is neither a load
  * nor a support of the new increment (reactions of released supports; the initial stress before the first

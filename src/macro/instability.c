@@ -1,5 +1,6 @@
+/* SPDX-License-Identifier: GPL-2.0-or-later */
 /* Instabilities of packings: the state after a stress discontinuity, and the explanation of a failure (method
- * 6). SPDX-License-Identifier: GPL-2.0-or-later
+ * 6).
  *
  * A packing rearranges: seen from its converged state, P(F) has discontinuities. Where the required stress
  * lies in the gap, every step of Newton's iteration, however short, lands beyond the discontinuity with a

@@ -1,4 +1,5 @@
-/* granhom macro: what the files of this module share. SPDX-License-Identifier: GPL-2.0-or-later
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* granhom macro: what the files of this module share.
  *
  * Degree of freedom 2 a + i is component i of node a. Arrays over them have ndof = 2 nnodes entries. */
 #ifndef GRANHOM_MACRO_INTERNAL_H

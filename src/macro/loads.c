@@ -1,4 +1,5 @@
-/* What acts on the mesh at the end of an increment. SPDX-License-Identifier: GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* What acts on the mesh at the end of an increment. */
 #include "macro/internal.h"
 
 #include <stdlib.h>

@@ -1,4 +1,5 @@
-/* The macro problem: options, object, what it gives. SPDX-License-Identifier: GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* The macro problem: options, object, what it gives. */
 #include "macro/internal.h"
 
 #include <stdlib.h>

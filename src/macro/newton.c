@@ -1,5 +1,5 @@
-/* Newton's iteration with line search for one substep of an increment. SPDX-License-Identifier:
- * GPL-2.0-or-later
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* Newton's iteration with line search for one substep of an increment.
  *
  * The first correction is a linear prediction with the last tangent that carries the prescribed displacements
  * along: K_ff du_f = -(R_f + K_fp du_p). Imposing them on the old field instead would strain one row of

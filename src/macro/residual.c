@@ -1,5 +1,5 @@
-/* Residual forces: internal less external ones, their norm and when it counts as zero.
- * SPDX-License-Identifier: GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* Residual forces: internal less external ones, their norm and when it counts as zero. */
 #include "macro/internal.h"
 
 #include <float.h>

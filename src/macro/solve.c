@@ -1,5 +1,6 @@
+/* SPDX-License-Identifier: GPL-2.0-or-later */
 /* The sparse system of the free degrees of freedom: CHOLMOD while it is symmetric and positive definite,
- * UMFPACK otherwise. SPDX-License-Identifier: GPL-2.0-or-later */
+ * UMFPACK otherwise. */
 #include "macro/internal.h"
 
 #include <stdlib.h>

@@ -1,5 +1,5 @@
-/* The state of the macro problem between two increments, as numbers. SPDX-License-Identifier:
- * GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* The state of the macro problem between two increments, as numbers. */
 #include "macro/internal.h"
 
 #include <stdlib.h>

@@ -1,4 +1,5 @@
-/* Do the supports hold the mesh? SPDX-License-Identifier: GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* Do the supports hold the mesh? */
 #include "macro/internal.h"
 
 #include <stdlib.h>

@@ -1,5 +1,5 @@
-/* Edges: the outer boundary of a mesh, edges that sets have in common.
- * SPDX-License-Identifier: GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* Edges: the outer boundary of a mesh, edges that sets have in common. */
 #include "granhom/mesh.h"
 
 #include <stdlib.h>

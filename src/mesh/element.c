@@ -1,5 +1,5 @@
-/* The reference element: Q1, 2 x 2 Gauss points, total Lagrangian. SPDX-License-Identifier: GPL-2.0-or-later
- */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* The reference element: Q1, 2 x 2 Gauss points, total Lagrangian. */
 #include "granhom/mesh.h"
 
 #include <stdlib.h>

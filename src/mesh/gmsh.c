@@ -1,4 +1,5 @@
-/* Gmsh meshes: from what the file holds to the mesh. SPDX-License-Identifier: GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* Gmsh meshes: from what the file holds to the mesh. */
 #include "mesh/gmsh.h"
 
 #include <stdlib.h>

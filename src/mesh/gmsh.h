@@ -1,4 +1,5 @@
-/* What the files of the Gmsh reader share. SPDX-License-Identifier: GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* What the files of the Gmsh reader share. */
 #ifndef GRANHOM_MESH_GMSH_H
 #define GRANHOM_MESH_GMSH_H
 

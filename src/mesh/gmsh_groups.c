@@ -1,4 +1,5 @@
-/* Physical groups of Gmsh meshes. SPDX-License-Identifier: GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* Physical groups of Gmsh meshes. */
 #include "mesh/gmsh.h"
 
 #include <limits.h>

@@ -1,5 +1,5 @@
-/* Sections of Gmsh meshes, MSH 2.2 and 4.1 ASCII (format: the Gmsh reference manual).
- * SPDX-License-Identifier: GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* Sections of Gmsh meshes, MSH 2.2 and 4.1 ASCII (format: the Gmsh reference manual). */
 #include "mesh/gmsh.h"
 
 #include <limits.h>

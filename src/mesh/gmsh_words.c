@@ -1,4 +1,5 @@
-/* Words of Gmsh meshes. SPDX-License-Identifier: GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* Words of Gmsh meshes. */
 #include "mesh/gmsh.h"
 
 #include <limits.h>

@@ -1,4 +1,5 @@
-/* What is derived from the stresses of the material points. SPDX-License-Identifier: GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* What is derived from the stresses of the material points. */
 #include "granhom/mesh.h"
 
 #include <stdlib.h>

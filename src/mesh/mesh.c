@@ -1,5 +1,5 @@
-/* Meshes of bilinear quadrilaterals: rectangle, check, sets, Gauss points. SPDX-License-Identifier:
- * GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* Meshes of bilinear quadrilaterals: rectangle, check, sets, Gauss points. */
 #include "granhom/mesh.h"
 
 #include <limits.h>

@@ -1,4 +1,5 @@
-/* Smallest eigenvalue of the acoustic tensor (method 7). SPDX-License-Identifier: GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* Smallest eigenvalue of the acoustic tensor (method 7). */
 #include "granhom/micro.h"
 
 /* Smaller eigenvalue of the symmetric part of Q_ik = A_iJkL N_J N_L for N = (cos a, sin a). */

@@ -1,5 +1,5 @@
-/* Boundary conditions of an RVE (method 2): one row of a table each. SPDX-License-Identifier:
- * GPL-2.0-or-later
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* Boundary conditions of an RVE (method 2): one row of a table each.
  *
  * Everything that depends on the condition uses its row; a new condition is a new row, and what it fixes
  * that no other row does. */

@@ -1,5 +1,5 @@
-/* Contacts and forces of the current positions: unbalanced force, mean force, round-off, rattlers.
- * SPDX-License-Identifier: GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* Contacts and forces of the current positions: unbalanced force, mean force, round-off, rattlers. */
 #include "micro/internal.h"
 
 #include <float.h>

@@ -1,5 +1,5 @@
+/* SPDX-License-Identifier: GPL-2.0-or-later */
 /* Equilibrium of the free grains: dynamic relaxation, with a Newton finish or alone (method 3).
- * SPDX-License-Identifier: GPL-2.0-or-later
  *
  * Relaxation alone decides on which branch the packing ends. Newton takes over only where it cannot change
  * the branch: while the stiffness is positive definite (with friction, where it is not symmetric: regular)

@@ -1,5 +1,5 @@
-/* History of the contacts from one converged state to the next (Table 7.1). SPDX-License-Identifier:
- * GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* History of the contacts from one converged state to the next (Table 7.1). */
 #include "micro/internal.h"
 
 #include <string.h>

@@ -1,4 +1,5 @@
-/* Private parts of the RVE. SPDX-License-Identifier: GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* Private parts of the RVE. */
 #ifndef GRANHOM_MICRO_INTERNAL_H
 #define GRANHOM_MICRO_INTERNAL_H
 

@@ -1,4 +1,5 @@
-/* Known limits of a granulate, in one place for all commands. SPDX-License-Identifier: GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* Known limits of a granulate, in one place for all commands. */
 #include "granhom/limits.h"
 #include "micro/internal.h"
 

@@ -1,5 +1,5 @@
-/* Newton steps of the free grains: the finish of a relaxation, and leaving a limit cycle (method 3).
- * SPDX-License-Identifier: GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* Newton steps of the free grains: the finish of a relaxation, and leaving a limit cycle (method 3). */
 #include "micro/internal.h"
 
 #include <string.h>

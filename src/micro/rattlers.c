@@ -1,4 +1,5 @@
-/* Rattlers: grains that their contacts cannot hold (Table 4.3). SPDX-License-Identifier: GPL-2.0-or-later
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* Rattlers: grains that their contacts cannot hold (Table 4.3).
  *
  * A grain is supported when the largest angular gap between its contacts is below 180 degrees. Contacts with
  * marked grains do not count, so the search is repeated until nothing changes. A gap of 180 degrees (two

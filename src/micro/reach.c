@@ -1,6 +1,5 @@
-/* An increment of F in substeps, where it has no equilibrium at once. SPDX-License-Identifier:
- * GPL-2.0-or-later
- */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* An increment of F in substeps, where it has no equilibrium at once. */
 #include "micro/internal.h"
 
 #include <math.h>

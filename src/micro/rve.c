@@ -1,5 +1,5 @@
-/* One RVE: converged state, trial state, and the path from F to P and A. SPDX-License-Identifier:
- * GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* One RVE: converged state, trial state, and the path from F to P and A. */
 #include "micro/internal.h"
 
 #include <stdlib.h>

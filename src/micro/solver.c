@@ -1,5 +1,5 @@
-/* The linear system of the unknowns of an RVE: number, factor, solve, behind one table for all libraries.
- * SPDX-License-Identifier: GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* The linear system of the unknowns of an RVE: number, factor, solve, behind one table for all libraries. */
 #include "micro/internal.h"
 
 #include <stdlib.h>

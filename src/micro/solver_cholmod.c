@@ -1,5 +1,5 @@
-/* Stiffness of the free grains without friction, its Cholesky factor by CHOLMOD.
- * SPDX-License-Identifier: GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* Stiffness of the free grains without friction, its Cholesky factor by CHOLMOD. */
 #include "micro/internal.h"
 
 #include <cholmod.h>

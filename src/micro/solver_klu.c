@@ -1,5 +1,6 @@
+/* SPDX-License-Identifier: GPL-2.0-or-later */
 /* Stiffness of positions and rotations with friction: unsymmetric, in compressed columns, its LU factor by
- * KLU of SuiteSparse. SPDX-License-Identifier: GPL-2.0-or-later
+ * KLU of SuiteSparse.
  *
  * KLU and not UMFPACK: the factors are so sparse that UMFPACK's dense fronts do not pay
  * (docs/reports/performance.md). Blocks are of members, up to 3 x 3 (u_x, u_y, theta); the pattern of blocks

@@ -1,5 +1,6 @@
+/* SPDX-License-Identifier: GPL-2.0-or-later */
 /* States of an RVE as flat buffers of numbers: what is saved, loaded, committed, and where an evaluation
- * starts. SPDX-License-Identifier: GPL-2.0-or-later */
+ * starts. */
 #include "micro/internal.h"
 
 #include <limits.h>

@@ -1,5 +1,5 @@
-/* Stress, energy and other sums over the contacts of an RVE in equilibrium (methods 4, 5).
- * SPDX-License-Identifier: GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* Stress, energy and other sums over the contacts of an RVE in equilibrium (methods 4, 5). */
 #include "micro/internal.h"
 
 #include <string.h>

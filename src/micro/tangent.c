@@ -1,5 +1,5 @@
-/* Tangents of an RVE in equilibrium by static condensation (methods 4, 5).
- * SPDX-License-Identifier: GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* Tangents of an RVE in equilibrium by static condensation (methods 4, 5). */
 #include "micro/internal.h"
 
 #include <string.h>

@@ -1,5 +1,5 @@
-/* Inspecting an RVE: grains, flags and contacts of the last evaluation. SPDX-License-Identifier:
- * GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* Inspecting an RVE: grains, flags and contacts of the last evaluation. */
 #include "micro/internal.h"
 
 #include <string.h>

@@ -1,5 +1,5 @@
-/* Primary grains and replicas; boundary sets (3.14, 3.15; method 8.1). SPDX-License-Identifier:
- * GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* Primary grains and replicas; boundary sets (3.14, 3.15; method 8.1). */
 #include "granhom/packing.h"
 
 #include <stdlib.h>

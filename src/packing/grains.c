@@ -1,5 +1,5 @@
-/* Grains in a cell of two or three dimensions: files, bounds, defaults of growth. SPDX-License-Identifier:
- * GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* Grains in a cell of two or three dimensions: files, bounds, defaults of growth. */
 #include "granhom/io.h"
 #include "granhom/packing.h"
 

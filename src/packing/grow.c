@@ -1,5 +1,5 @@
-/* Growth of a packing from points to the density where it stops (Table 3.1). SPDX-License-Identifier:
- * GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* Growth of a packing from points to the density where it stops (Table 3.1). */
 #include "packing/grow.h"
 #include "packing/random.h"
 

@@ -1,4 +1,5 @@
-/* Event-driven growth: the grains, their clocks, their neighbours. SPDX-License-Identifier: GPL-2.0-or-later
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* Event-driven growth: the grains, their clocks, their neighbours.
  *
  * Lengths are those of a cell of volume 1; the speed is 1 in the root mean square. All radii are known from
  * one number: r_i(t) = a_i s(t), s = s0 + rate t (3.1), and a_i is scaled so that the volume fraction is

@@ -1,5 +1,5 @@
-/* Growth: what comes next for a grain, and what happens then (3.5)-(3.9). SPDX-License-Identifier:
- * GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* Growth: what comes next for a grain, and what happens then (3.5)-(3.9). */
 #include "packing/grow.h"
 
 enum {

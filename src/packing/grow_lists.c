@@ -1,5 +1,5 @@
-/* Growth: the cell, the grids of hulls and the lists of neighbours. SPDX-License-Identifier: GPL-2.0-or-later
- */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* Growth: the cell, the grids of hulls and the lists of neighbours. */
 #include "packing/grow.h"
 #include "packing/large.h"
 

@@ -1,4 +1,5 @@
-/* grow_lists.c in three dimensions. SPDX-License-Identifier: GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* grow_lists.c in three dimensions. */
 #include "packing/to3.h"
 /* the source below defines the functions with the names of to3.h */
 #include "packing/grow_lists.c"

@@ -1,4 +1,5 @@
-/* Growth in two or three dimensions. SPDX-License-Identifier: GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* Growth in two or three dimensions. */
 #include "packing/grow.h"
 
 gh_status gh_packing_grow(gh_context *ctx, int dim, int n, const double *diameter, const int *type,

@@ -1,4 +1,5 @@
-/* The queue of events: one entry per grain, ordered by time. SPDX-License-Identifier: GPL-2.0-or-later
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* The queue of events: one entry per grain, ordered by time.
  * A heap of four children per node with the place of each grain, so that an entry moves in O(log n). Who
  * rises near the top is reported, so that its memory can be fetched before its event. */
 #ifndef GRANHOM_PACKING_HEAP_H

@@ -1,5 +1,5 @@
+/* SPDX-License-Identifier: GPL-2.0-or-later */
 /* The hull of a cell: whether a grain can slip through its boundary set (text after 3.15).
- * SPDX-License-Identifier: GPL-2.0-or-later
  *
  * Along each lattice vector the grains of B that touch that face form a chain, without end since the cell is
  * periodic. A grain of diameter d crosses it where two neighbours leave more than d between them. Which

@@ -1,4 +1,5 @@
-/* Memory for large arrays that are read here and there. SPDX-License-Identifier: GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* Memory for large arrays that are read here and there. */
 #ifndef GRANHOM_PACKING_LARGE_H
 #define GRANHOM_PACKING_LARGE_H
 

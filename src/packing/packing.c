@@ -1,4 +1,5 @@
-/* A packing: what a LAMMPS data file means, checked. SPDX-License-Identifier: GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* A packing: what a LAMMPS data file means, checked. */
 #include "granhom/packing.h"
 #include "granhom/io.h"
 

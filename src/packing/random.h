@@ -1,4 +1,5 @@
-/* Random numbers that are the same on every machine. SPDX-License-Identifier: GPL-2.0-or-later
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* Random numbers that are the same on every machine.
  * SplitMix64: Steele, Lea, Flood, Fast splittable pseudorandom number generators, OOPSLA 2014. */
 #ifndef GRANHOM_PACKING_RANDOM_H
 #define GRANHOM_PACKING_RANDOM_H

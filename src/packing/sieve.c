@@ -1,4 +1,5 @@
-/* Sieve curves: which grains a packing has (3.12, 3.13). SPDX-License-Identifier: GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* Sieve curves: which grains a packing has (3.12, 3.13). */
 #include "packing/sieve.h"
 
 #include <limits.h>

@@ -1,4 +1,5 @@
-/* Sieve curves from rows of a table. SPDX-License-Identifier: GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* Sieve curves from rows of a table. */
 #ifndef GRANHOM_PACKING_SIEVE_H
 #define GRANHOM_PACKING_SIEVE_H
 

@@ -1,4 +1,5 @@
-/* Tables of sieve curves: which column is what. SPDX-License-Identifier: GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* Tables of sieve curves: which column is what. */
 #include "packing/sieve.h"
 #include "granhom/io.h"
 

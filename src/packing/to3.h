@@ -1,5 +1,5 @@
-/* Compiles the sources of growth for three dimensions: included before them. SPDX-License-Identifier:
- * GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* Compiles the sources of growth for three dimensions: included before them. */
 #define DIM 3
 #define gh_packing_grow2 gh_packing_grow3
 #define growth_box_fit2 growth_box_fit3

@@ -1,5 +1,5 @@
-/* Overlap, coordination, fabric and stress of a packing in equilibrium. SPDX-License-Identifier:
- * GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* Overlap, coordination, fabric and stress of a packing in equilibrium. */
 #include "prepare/finish.h"
 
 static void principal(gh_finish_report *r) {

@@ -1,4 +1,5 @@
-/* From a hard packing to soft grains in equilibrium. SPDX-License-Identifier: GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* From a hard packing to soft grains in equilibrium. */
 #include "prepare/finish.h"
 
 #include <stdlib.h>

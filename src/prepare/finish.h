@@ -1,4 +1,5 @@
-/* What the files of the finish share. SPDX-License-Identifier: GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* What the files of the finish share. */
 #ifndef GRANHOM_PREPARE_FINISH_H
 #define GRANHOM_PREPARE_FINISH_H
 

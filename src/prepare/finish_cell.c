@@ -1,4 +1,5 @@
-/* Lets the cell of a packing relax under a pressure. SPDX-License-Identifier: GPL-2.0-or-later
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* Lets the cell of a packing relax under a pressure.
  *
  * The equilibrium of grains and cell under the pressure p is a minimum of the enthalpy W(F) + p det F, W the
  * energy of the relaxed grains per reference area. Its gradient is P + p cof F, its second derivative A + p d

@@ -1,5 +1,5 @@
-/* Scales the cell of a packing until overlap or pressure is the wanted one. SPDX-License-Identifier:
- * GPL-2.0-or-later
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* Scales the cell of a packing until overlap or pressure is the wanted one.
  *
  * The goal is approached from the compressed side, where the packing is jammed: first the cell shrinks until
  * the value lies above the target, then it grows by secants. A trial that falls short, unjams or finds no

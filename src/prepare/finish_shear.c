@@ -1,5 +1,5 @@
-/* Pre-strains a packing until its fabric anisotropy is the wanted one. SPDX-License-Identifier:
- * GPL-2.0-or-later
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* Pre-strains a packing until its fabric anisotropy is the wanted one.
  *
  * Small pure shears in steps, each settled again to the wanted overlap or pressure. Shortening along the
  * major axis of the fabric adds contacts there and raises the anisotropy; shortening across it lowers it. The

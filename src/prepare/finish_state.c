@@ -1,4 +1,5 @@
-/* A packing on its way: trial and converged state. SPDX-License-Identifier: GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* A packing on its way: trial and converged state. */
 #include "prepare/finish.h"
 
 #include <stdlib.h>

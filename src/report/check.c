@@ -1,5 +1,5 @@
-/* Whether a folder of results is whole, before anything is drawn from it. SPDX-License-Identifier:
- * GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* Whether a folder of results is whole, before anything is drawn from it. */
 #include "io/file.h"
 #include "report/report.h"
 

@@ -1,4 +1,5 @@
-/* Curves of a run, drawn by gnuplot. SPDX-License-Identifier: GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* Curves of a run, drawn by gnuplot. */
 #include "report/gnuplot.h"
 #include "report/report.h"
 

@@ -1,6 +1,7 @@
+/* SPDX-License-Identifier: GPL-2.0-or-later */
 /* gnuplot as a child process. No shell stands between, no name of a file and no text of a user's goes into
  * its program: it reads the script from standard input and writes the picture to standard output, both of
- * them temporary files without a name. SPDX-License-Identifier: GPL-2.0-or-later */
+ * them temporary files without a name. */
 #define _GNU_SOURCE 1 /* environ */
 #include "report/gnuplot.h"
 

@@ -1,4 +1,5 @@
-/* Runs gnuplot. SPDX-License-Identifier: GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* Runs gnuplot. */
 #ifndef GRANHOM_REPORT_GNUPLOT_H
 #define GRANHOM_REPORT_GNUPLOT_H
 

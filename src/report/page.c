@@ -1,5 +1,5 @@
-/* A page of a picture: points of the plane to pixels, colours, text.
- * SPDX-License-Identifier: GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* A page of a picture: points of the plane to pixels, colours, text. */
 #include "report/page.h"
 
 #include <cairo-svg.h>

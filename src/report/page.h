@@ -1,5 +1,5 @@
-/* A page of a picture and what pictures read from a folder of results.
- * SPDX-License-Identifier: GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* A page of a picture and what pictures read from a folder of results. */
 #ifndef GRANHOM_REPORT_PAGE_H
 #define GRANHOM_REPORT_PAGE_H
 

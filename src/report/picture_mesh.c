@@ -1,4 +1,5 @@
-/* The deformed mesh, coloured by the von Mises stress. SPDX-License-Identifier: GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* The deformed mesh, coloured by the von Mises stress. */
 #include "report/page.h"
 
 #include <stdlib.h>

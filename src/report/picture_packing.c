@@ -1,5 +1,5 @@
-/* A packing: primary, boundary and replica grains in three tones, the cell as a frame (Figures 3.3, 3.12).
- * SPDX-License-Identifier: GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* A packing: primary, boundary and replica grains in three tones, the cell as a frame (Figures 3.3, 3.12). */
 #include "granhom/report.h"
 #include "report/page.h"
 

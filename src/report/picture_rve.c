@@ -1,4 +1,5 @@
-/* The grains of one material point with their network of forces. SPDX-License-Identifier: GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* The grains of one material point with their network of forces. */
 #include "report/page.h"
 
 #include <stdlib.h>

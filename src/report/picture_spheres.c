@@ -1,5 +1,5 @@
-/* Spheres in their cell, seen in parallel projection (Figures 3.4, 3.8, 3.11). SPDX-License-Identifier:
- * GPL-2.0-or-later
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* Spheres in their cell, seen in parallel projection (Figures 3.4, 3.8, 3.11).
  *
  * Spheres are painted from the back to the front. Replicas would hide the cell and are left out. */
 #include "granhom/report.h"

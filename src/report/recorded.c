@@ -1,5 +1,5 @@
-/* What is read of a folder of results in order to draw it. SPDX-License-Identifier: GPL-2.0-or-later
- */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* What is read of a folder of results in order to draw it. */
 #include "io/file.h"
 #include "io/json.h"
 #include "report/report.h"

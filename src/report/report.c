@@ -1,5 +1,5 @@
-/* One page of HTML with what a person wants to see of a run first. SPDX-License-Identifier: GPL-2.0-or-later
- */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* One page of HTML with what a person wants to see of a run first. */
 #include "report/report.h"
 
 static void print_begin(report *r) {

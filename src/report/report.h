@@ -1,4 +1,5 @@
-/* What the parts of the report share. SPDX-License-Identifier: GPL-2.0-or-later
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* What the parts of the report share.
  *
  * The page is text in `out`. Colours are CSS variables (report_style.c), so that it follows the reader's
  * light or dark setting; fields on the mesh keep their colours. */

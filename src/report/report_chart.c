@@ -1,4 +1,5 @@
-/* Charts of the report as SVG text. SPDX-License-Identifier: GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* Charts of the report as SVG text. */
 #include "report/report.h"
 
 #include <string.h>

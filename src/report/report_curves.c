@@ -1,4 +1,5 @@
-/* The curves of the report. SPDX-License-Identifier: GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* The curves of the report. */
 #include "report/report.h"
 
 #include <stdlib.h>

@@ -1,4 +1,5 @@
-/* What a report reads. SPDX-License-Identifier: GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* What a report reads. */
 #include "io/file.h"
 #include "io/json.h"
 #include "report/report.h"

@@ -1,4 +1,5 @@
-/* Density functions of directions. SPDX-License-Identifier: GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* Density functions of directions. */
 #include "report/report.h"
 
 void report_density(int n, const double *x, const double *weight, double influence, int m, double *density) {

@@ -1,4 +1,5 @@
-/* What a run knows of its error, over increments and over time. SPDX-License-Identifier: GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* What a run knows of its error, over increments and over time. */
 #include "report/report.h"
 
 #include <stdlib.h>

@@ -1,4 +1,5 @@
-/* Fields on the deformed mesh. SPDX-License-Identifier: GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* Fields on the deformed mesh. */
 #include "report/report.h"
 
 #include <stdlib.h>

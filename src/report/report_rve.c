@@ -1,5 +1,5 @@
-/* Packings of chosen points: force network, density functions, traces. SPDX-License-Identifier:
- * GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* Packings of chosen points: force network, density functions, traces. */
 #include "report/report.h"
 
 #include <stdlib.h>

@@ -1,4 +1,5 @@
-/* Style and script of the report. SPDX-License-Identifier: GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* Style and script of the report. */
 #include "report/report.h"
 
 /* c1 ... c6: of Okabe and Ito, told apart with every kind of colour vision; lighter ones on dark ground. */

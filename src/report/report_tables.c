@@ -1,4 +1,5 @@
-/* Residual tables and where the time went. SPDX-License-Identifier: GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* Residual tables and where the time went. */
 #include "report/report.h"
 
 #include <stdlib.h>

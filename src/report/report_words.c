@@ -1,4 +1,5 @@
-/* What came out and what was computed, in words. SPDX-License-Identifier: GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* What came out and what was computed, in words. */
 #include "report/report.h"
 
 #include <string.h>

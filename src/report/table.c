@@ -1,5 +1,5 @@
-/* history.csv as it was written: a table with words in it, and which of its columns make the curves.
- * SPDX-License-Identifier: GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* history.csv as it was written: a table with words in it, and which of its columns make the curves. */
 #include "io/file.h"
 #include "report/page.h"
 

@@ -1,4 +1,5 @@
-/* Datasets that count into the checksum of a checkpoint. SPDX-License-Identifier: GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* Datasets that count into the checksum of a checkpoint. */
 #include "results/archive.h"
 
 #include <inttypes.h>

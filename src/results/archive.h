@@ -1,4 +1,5 @@
-/* A checkpoint that is written or read. SPDX-License-Identifier: GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* A checkpoint that is written or read. */
 #ifndef GRANHOM_RESULTS_ARCHIVE_H
 #define GRANHOM_RESULTS_ARCHIVE_H
 

@@ -1,4 +1,5 @@
-/* Writing and reading checkpoints. SPDX-License-Identifier: GPL-2.0-or-later
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* Writing and reading checkpoints.
  *
  * Besides the checksum of the file there is one over all datasets in /check. */
 #include "results/archive.h"

@@ -1,5 +1,6 @@
+/* SPDX-License-Identifier: GPL-2.0-or-later */
 /* The columns and datasets that are the same for each solver, and what they mean; docs/reference/columns.md
- * is made of these lists and of those of the solvers. SPDX-License-Identifier: GPL-2.0-or-later */
+ * is made of these lists and of those of the solvers. */
 #include "results/results.h"
 
 const gh_term results_timing_columns[] = {{"step", "as in `history.csv`"},

@@ -1,5 +1,6 @@
+/* SPDX-License-Identifier: GPL-2.0-or-later */
 /* Chosen material points as LAMMPS dumps: point_17.dump holds the grains, point_17.contacts.dump the contacts
- * (a `dump local`). SPDX-License-Identifier: GPL-2.0-or-later
+ * (a `dump local`).
  *
  * A frame is put together in memory, appended by one write and fsynced. A write that fails is taken back; one
  * that is cut by a kill leaves a part of one frame at the end. Whatever follows the last whole frame of an

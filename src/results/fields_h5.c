@@ -1,5 +1,5 @@
-/* results.h5: the mesh, and one group with all fields per increment. SPDX-License-Identifier:
- * GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* results.h5: the mesh, and one group with all fields per increment. */
 #include "results/results.h"
 
 #include <stdlib.h>

@@ -1,4 +1,5 @@
-/* The folder of results and the files in it. SPDX-License-Identifier: GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* The folder of results and the files in it. */
 #include "results/results.h"
 
 gh_status gh_results_folder_check(gh_context *ctx, const char *folder) {

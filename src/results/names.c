@@ -1,6 +1,6 @@
+/* SPDX-License-Identifier: GPL-2.0-or-later */
 /* Names: sets as parts of columns and datasets, kinds of files: one rule for those who write and those who
- * read.
- * SPDX-License-Identifier: GPL-2.0-or-later */
+ * read. */
 #include "results/results.h"
 
 #include <string.h>

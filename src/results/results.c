@@ -1,4 +1,5 @@
-/* One folder of files, each whole after each increment. SPDX-License-Identifier: GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* One folder of files, each whole after each increment. */
 #include "results/results.h"
 
 #include <errno.h>

@@ -1,4 +1,5 @@
-/* What the writers of results share. SPDX-License-Identifier: GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* What the writers of results share. */
 #ifndef GRANHOM_RESULTS_INTERNAL_H
 #define GRANHOM_RESULTS_INTERNAL_H
 

@@ -1,5 +1,6 @@
+/* SPDX-License-Identifier: GPL-2.0-or-later */
 /* rves.h5: grains and contacts of the recorded material points at the last increment; traces.h5: where their
- * grains were at all increments. SPDX-License-Identifier: GPL-2.0-or-later */
+ * grains were at all increments. */
 #include "results/results.h"
 
 #include <stdlib.h>

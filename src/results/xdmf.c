@@ -1,5 +1,6 @@
+/* SPDX-License-Identifier: GPL-2.0-or-later */
 /* results.xdmf and points.xdmf: XDMF 3 that describes to ParaView and meshio what is in results.h5, on the
- * mesh and at the integration points. SPDX-License-Identifier: GPL-2.0-or-later */
+ * mesh and at the integration points. */
 #include "results/results.h"
 
 void results_xdmf_begin(gh_text *out) {

@@ -1,4 +1,5 @@
-/* What others read of a scene. SPDX-License-Identifier: GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* What others read of a scene. */
 #include "scene/internal.h"
 
 const char *gh_scene_length_unit(const gh_scene *s) {

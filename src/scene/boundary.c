@@ -1,4 +1,5 @@
-/* What holds and what loads the outer boundary. SPDX-License-Identifier: GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* What holds and what loads the outer boundary. */
 #include "scene/internal.h"
 
 #include <stdlib.h>

@@ -1,5 +1,6 @@
+/* SPDX-License-Identifier: GPL-2.0-or-later */
 /* The columns and datasets of a scene's own results, and what they mean; docs/reference/columns.md is made of
- * these lists and of gh_results_columns. SPDX-License-Identifier: GPL-2.0-or-later */
+ * these lists and of gh_results_columns. */
 #include "scene/output.h"
 
 const gh_term scene_history_sets[] = {

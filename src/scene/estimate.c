@@ -1,5 +1,5 @@
-/* Estimate of the error of the path by step doubling (docs/explanation/method.md, "Error estimates").
- * SPDX-License-Identifier: GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* Estimate of the error of the path by step doubling (docs/explanation/method.md, "Error estimates"). */
 #include "scene/internal.h"
 
 void gh_scene_set_estimate(gh_scene *s, bool estimate) {

@@ -1,4 +1,5 @@
-/* Scenes and runs in words. SPDX-License-Identifier: GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* Scenes and runs in words. */
 #include "scene/internal.h"
 
 static void explain_contact(const gh_contact_law *law, gh_text *out) {

@@ -1,5 +1,6 @@
+/* SPDX-License-Identifier: GPL-2.0-or-later */
 /* The fields of a scene in results.h5: what the body and its packings know at nodes, integration points and
- * elements. SPDX-License-Identifier: GPL-2.0-or-later */
+ * elements. */
 #include "scene/output.h"
 
 #include <stdlib.h>

@@ -1,5 +1,5 @@
-/* The columns of history.csv: loads, reactions, what the solution cost, energies, estimated errors.
- * SPDX-License-Identifier: GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* The columns of history.csv: loads, reactions, what the solution cost, energies, estimated errors. */
 #include "scene/output.h"
 
 #include <stdlib.h>

@@ -1,4 +1,5 @@
-/* Stress and stability of all integration points. SPDX-License-Identifier: GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* Stress and stability of all integration points. */
 #include "scene/output.h"
 
 /* The last guard: what is not finite is no result, whatever has let it pass. */

@@ -1,4 +1,5 @@
-/* What the files of the scene module share. SPDX-License-Identifier: GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* What the files of the scene module share. */
 #ifndef GRANHOM_SCENE_INTERNAL_H
 #define GRANHOM_SCENE_INTERNAL_H
 

@@ -1,4 +1,5 @@
-/* The keys of a scene file, and what they mean. SPDX-License-Identifier: GPL-2.0-or-later
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* The keys of a scene file, and what they mean.
  *
  * The readers refuse every key that is not listed here, and docs/reference/keys.md is made of these lists. */
 #include "scene/read.h"

@@ -1,5 +1,5 @@
-/* What a scene prescribes, against the known limits of a granulate. SPDX-License-Identifier: GPL-2.0-or-later
- */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* What a scene prescribes, against the known limits of a granulate. */
 #include "granhom/limits.h"
 #include "scene/internal.h"
 

@@ -1,5 +1,5 @@
-/* Names of sets of a scene, checked against the columns and datasets that they will become.
- * SPDX-License-Identifier: GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* Names of sets of a scene, checked against the columns and datasets that they will become. */
 #include "io/file.h"
 #include "scene/output.h"
 

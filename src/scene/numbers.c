@@ -1,4 +1,5 @@
-/* What results hold of an integration point, number by number. SPDX-License-Identifier: GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* What results hold of an integration point, number by number. */
 #include "scene/output.h"
 
 /* Difference of the principal values of mean n(x)n over their sum. The sum is 1, but 0 without contacts. */

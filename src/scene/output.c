@@ -1,4 +1,5 @@
-/* A scene as a solver whose results are written. SPDX-License-Identifier: GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* A scene as a solver whose results are written. */
 #include "scene/output.h"
 
 #include <stdlib.h>

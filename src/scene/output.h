@@ -1,5 +1,5 @@
-/* A scene's results: what it hands to the writers (granhom/results.h). SPDX-License-Identifier:
- * GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* A scene's results: what it hands to the writers (granhom/results.h). */
 #ifndef GRANHOM_SCENE_OUTPUT_H
 #define GRANHOM_SCENE_OUTPUT_H
 

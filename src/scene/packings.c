@@ -1,5 +1,5 @@
-/* The packings of a scene, and which of them is at which integration point. SPDX-License-Identifier:
- * GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* The packings of a scene, and which of them is at which integration point. */
 #include "packing/random.h"
 #include "scene/read.h"
 

@@ -1,4 +1,5 @@
-/* The plan of a scene: what acts at the end of each increment. SPDX-License-Identifier: GPL-2.0-or-later
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* The plan of a scene: what acts at the end of each increment.
  *
  * All that acts is a ramp over the increments of a step. Loads and driven displacements keep their last value
  * until a step changes them; the supports of a step end with it. A support holds every node of its set where

@@ -1,5 +1,5 @@
-/* Reads a scene file and what it names. Every complaint begins with file:line.
- * SPDX-License-Identifier: GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* Reads a scene file and what it names. Every complaint begins with file:line. */
 #include "io/file.h"
 #include "scene/read.h"
 

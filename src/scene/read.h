@@ -1,4 +1,5 @@
-/* What the readers of a scene share. SPDX-License-Identifier: GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* What the readers of a scene share. */
 #ifndef GRANHOM_SCENE_READ_H
 #define GRANHOM_SCENE_READ_H
 

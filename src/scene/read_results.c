@@ -1,4 +1,5 @@
-/* The key `results` of a scene: which packings are written. SPDX-License-Identifier: GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* The key `results` of a scene: which packings are written. */
 #include "scene/read.h"
 
 #include <string.h>

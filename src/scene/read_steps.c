@@ -1,4 +1,5 @@
-/* Reads the supports and the load steps of a scene. SPDX-License-Identifier: GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* Reads the supports and the load steps of a scene. */
 #include "scene/read.h"
 
 #include <stdlib.h>

@@ -1,4 +1,5 @@
-/* Values that the readers of a scene share. SPDX-License-Identifier: GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* Values that the readers of a scene share. */
 #include "scene/read.h"
 
 gh_status scene_optional_bool(node map, const char *key, bool *value) {

@@ -1,4 +1,5 @@
-/* run.json: what was run, on what, with which outcome. SPDX-License-Identifier: GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* run.json: what was run, on what, with which outcome. */
 #include "io/json.h"
 #include "scene/output.h"
 #include "granhom/granhom.h"

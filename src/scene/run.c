@@ -1,4 +1,5 @@
-/* The loop over load steps and increments. SPDX-License-Identifier: GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* The loop over load steps and increments. */
 #include "granhom/limits.h"
 #include "scene/output.h"
 

@@ -1,5 +1,5 @@
-/* What a run needs to continue, for its checkpoint: position, summary, body, packings.
- * SPDX-License-Identifier: GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* What a run needs to continue, for its checkpoint: position, summary, body, packings. */
 #include "scene/output.h"
 
 #include <stdlib.h>

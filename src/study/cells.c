@@ -1,4 +1,5 @@
-/* Tables of cells, as Markdown and in plain columns. SPDX-License-Identifier: GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* Tables of cells, as Markdown and in plain columns. */
 #include "study/judge.h"
 
 /* Characters, not bytes, of UTF-8. */

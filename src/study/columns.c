@@ -1,5 +1,5 @@
-/* The columns that answers have, and what of them is compared as a whole.
- * SPDX-License-Identifier: GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* The columns that answers have, and what of them is compared as a whole. */
 #include "study/parts.h"
 
 #include <math.h>

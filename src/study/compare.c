@@ -1,4 +1,5 @@
-/* The curves of a configuration against those of its reference. SPDX-License-Identifier: GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* The curves of a configuration against those of its reference. */
 #include "study/judge.h"
 
 #include <stdlib.h>

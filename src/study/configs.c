@@ -1,5 +1,6 @@
+/* SPDX-License-Identifier: GPL-2.0-or-later */
 /* Configurations of a study: all combinations of the values of its parameters, what each is compared with,
- * and the packings of each. SPDX-License-Identifier: GPL-2.0-or-later */
+ * and the packings of each. */
 #include "io/file.h"
 #include "study/parts.h"
 

@@ -1,4 +1,5 @@
-/* The pictures of a study. SPDX-License-Identifier: GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* The pictures of a study. */
 #include "study/draw.h"
 
 gh_status study_draw(const gh_study *s, const char *folder) {

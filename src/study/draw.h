@@ -1,4 +1,5 @@
-/* What the pictures of a study share. SPDX-License-Identifier: GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* What the pictures of a study share. */
 #ifndef GRANHOM_STUDY_DRAW_H
 #define GRANHOM_STUDY_DRAW_H
 

@@ -1,5 +1,5 @@
-/* Colours, logarithmic axes and files: what the pictures of a study share. SPDX-License-Identifier:
- * GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* Colours, logarithmic axes and files: what the pictures of a study share. */
 #include "study/draw.h"
 
 #include <stdlib.h>

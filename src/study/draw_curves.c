@@ -1,5 +1,5 @@
-/* Columns over t, one curve for each configuration, with the scatter of the packings.
- * SPDX-License-Identifier: GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* Columns over t, one curve for each configuration, with the scatter of the packings. */
 #include "study/draw.h"
 
 #include <stdlib.h>

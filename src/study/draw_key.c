@@ -1,5 +1,5 @@
-/* The key of curves.png: gnuplot's own one may cover panels, so it is made of labels and arrows.
- * SPDX-License-Identifier: GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* The key of curves.png: gnuplot's own one may cover panels, so it is made of labels and arrows. */
 #include "study/draw.h"
 
 #include <string.h>

@@ -1,4 +1,5 @@
-/* Names of the points of a plot. SPDX-License-Identifier: GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* Names of the points of a plot. */
 #include "study/draw.h"
 
 #include <stdlib.h>

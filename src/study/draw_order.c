@@ -1,5 +1,5 @@
-/* Error over the parameter whose order of convergence is measured. SPDX-License-Identifier: GPL-2.0-or-later
- */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* Error over the parameter whose order of convergence is measured. */
 #include "study/draw.h"
 
 /* Dashed lines of order 1 and 2 below the coarsest point, each with its name where it leaves the picture. */

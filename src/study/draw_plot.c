@@ -1,4 +1,5 @@
-/* Errors over something, on logarithmic axes. SPDX-License-Identifier: GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* Errors over something, on logarithmic axes. */
 #include "study/draw.h"
 
 double study_plot_x_of(const study_plot *p, int k) {

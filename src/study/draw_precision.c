@@ -1,4 +1,5 @@
-/* Error over what it costs. SPDX-License-Identifier: GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* Error over what it costs. */
 #include "study/draw.h"
 
 static gh_status draw_over(const gh_study *s, const char *folder, study_over over, const char *x_label,

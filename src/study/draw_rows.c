@@ -1,4 +1,5 @@
-/* Which curves stand together, and how they look. SPDX-License-Identifier: GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* Which curves stand together, and how they look. */
 #include "study/draw.h"
 
 #include <stdlib.h>

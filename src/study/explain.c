@@ -1,4 +1,5 @@
-/* What a study would run, in words. SPDX-License-Identifier: GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* What a study would run, in words. */
 #include "study/judge.h"
 #include "study/parts.h"
 

@@ -1,4 +1,5 @@
-/* Orders of convergence. SPDX-License-Identifier: GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* Orders of convergence. */
 #include "study/judge.h"
 
 #include <stdlib.h>

@@ -1,4 +1,5 @@
-/* One packing along a path, by granhom or by another program. SPDX-License-Identifier: GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* One packing along a path, by granhom or by another program. */
 #include "granhom/limits.h"
 #include "study/parts.h"
 

@@ -1,4 +1,5 @@
-/* Pareto fronts. SPDX-License-Identifier: GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* Pareto fronts. */
 #include "study/judge.h"
 
 #include <stdlib.h>

@@ -1,5 +1,5 @@
+/* SPDX-License-Identifier: GPL-2.0-or-later */
 /* What the files of the study module share: a study as it was read, its runs, and what came of them.
- * SPDX-License-Identifier: GPL-2.0-or-later
  *
  * A configuration is one combination of the values of the parameters. It has as many runs as there are
  * packings in its ensemble (one without). A reference by `set` is a configuration too, with some parameters
@@ -120,8 +120,7 @@ typedef struct study_judged {
                      one packing has */
   double *confidence; /* nquantities: half width of the 95 % interval of the mean (Student's t) at each t and
                          column, all of these in the l2 norm over that of q_ref; NAN with one member */
-  double
-      *chance; /* nquantities: the same of the difference between mean and reference: an l2 below it cannot
+  double *chance; /* nquantities: the same of the difference between mean and reference: an l2 below it cannot
                   be distinguished from chance. Paired: from the differences of the pairs. Else: root of the
                   sum of squares of both intervals (where the reference is no ensemble: the confidence) */
   double wall, core, force_evaluations, pair_evaluations, factorisations, evaluations, iterations, cuts,

@@ -1,5 +1,5 @@
-/* Every configuration against its reference: errors, costs, fronts, orders.
- * SPDX-License-Identifier: GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* Every configuration against its reference: errors, costs, fronts, orders. */
 #include "study/judge.h"
 
 #include <stdlib.h>

@@ -1,4 +1,5 @@
-/* What the files that judge and show a study share. SPDX-License-Identifier: GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* What the files that judge and show a study share. */
 #ifndef GRANHOM_STUDY_JUDGE_H
 #define GRANHOM_STUDY_JUDGE_H
 

@@ -1,5 +1,5 @@
-/* The keys of a study file, and what they mean; docs/reference/keys.md is made of these lists.
- * SPDX-License-Identifier: GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* The keys of a study file, and what they mean; docs/reference/keys.md is made of these lists. */
 #include "study/parts.h"
 
 const gh_term study_keys[] = {

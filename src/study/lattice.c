@@ -1,5 +1,6 @@
+/* SPDX-License-Identifier: GPL-2.0-or-later */
 /* Equal disks on a triangular lattice that all follow F: stress and energy in closed form. By symmetry this
- * is an equilibrium for any F, whatever the boundary condition. SPDX-License-Identifier: GPL-2.0-or-later */
+ * is an equilibrium for any F, whatever the boundary condition. */
 #include "study/parts.h"
 
 #include <math.h>

@@ -1,4 +1,5 @@
-/* The table of orders of convergence that people read. SPDX-License-Identifier: GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* The table of orders of convergence that people read. */
 #include "study/judge.h"
 
 /* Columns: the other parameters that are varied, the order, from, to, remark. */

@@ -1,4 +1,5 @@
-/* What reading, running and keeping share. SPDX-License-Identifier: GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* What reading, running and keeping share. */
 #ifndef GRANHOM_STUDY_PARTS_H
 #define GRANHOM_STUDY_PARTS_H
 

@@ -1,5 +1,5 @@
-/* Paths of deformation gradients: legs from F = I, or the rows of a file. SPDX-License-Identifier:
- * GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* Paths of deformation gradients: legs from F = I, or the rows of a file. */
 #include "study/parts.h"
 
 #include <math.h>

@@ -1,5 +1,6 @@
+/* SPDX-License-Identifier: GPL-2.0-or-later */
 /* What one run of a study computes: the scene or the rve with the keys of its configuration, and the hash of
- * all that the answer depends on. SPDX-License-Identifier: GPL-2.0-or-later */
+ * all that the answer depends on. */
 #include "io/file.h"
 #include "study/parts.h"
 

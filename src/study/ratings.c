@@ -1,4 +1,5 @@
-/* Questions about a judged study. SPDX-License-Identifier: GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* Questions about a judged study. */
 #include "study/judge.h"
 
 bool study_is_reference(const gh_study *s, int config) {

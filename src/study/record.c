@@ -1,5 +1,5 @@
-/* Records of finished runs: runs/ID.json, with a checksum over all that stands before it.
- * SPDX-License-Identifier: GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* Records of finished runs: runs/ID.json, with a checksum over all that stands before it. */
 #include "io/file.h"
 #include "io/json.h"
 #include "study/parts.h"

@@ -1,4 +1,5 @@
-/* Reference curves that are no runs: a closed form, a file. SPDX-License-Identifier: GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* Reference curves that are no runs: a closed form, a file. */
 #include "study/parts.h"
 
 #include <math.h>

@@ -1,4 +1,5 @@
-/* The table of configurations that people read. SPDX-License-Identifier: GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* The table of configurations that people read. */
 #include "study/judge.h"
 
 #include <string.h>

@@ -1,5 +1,5 @@
-/* All runs of a study, spread over the ranks; then tables and pictures. SPDX-License-Identifier:
- * GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* All runs of a study, spread over the ranks; then tables and pictures. */
 #include "granhom/limits.h"
 #include "study/parts.h"
 

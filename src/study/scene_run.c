@@ -1,5 +1,6 @@
-/* A scene as a run of a study: nothing is written, the response of the body is measured after each increment.
- * SPDX-License-Identifier: GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* A scene as a run of a study: nothing is written, the response of the body is measured after each
+ * increment. */
 #include "granhom/macro.h"
 #include "study/parts.h"
 

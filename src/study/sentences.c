@@ -1,4 +1,5 @@
-/* The results of a study in sentences. SPDX-License-Identifier: GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* The results of a study in sentences. */
 #include "study/judge.h"
 
 #include <string.h>

@@ -1,4 +1,5 @@
-/* Student's distribution. SPDX-License-Identifier: GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* Student's distribution. */
 #include "study/internal.h"
 
 /* Probability of |t| < sqrt(n) tan(angle) with n degrees of freedom: the finite sums of Abramowitz and

@@ -1,5 +1,5 @@
-/* granhom: error against run time: the same problem with many configurations, compared with a reference.
- * SPDX-License-Identifier: GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* granhom: error against run time: the same problem with many configurations, compared with a reference. */
 #ifndef GRANHOM_STUDY_STUDY_H
 #define GRANHOM_STUDY_STUDY_H
 

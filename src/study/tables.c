@@ -1,4 +1,5 @@
-/* study.csv, curves.csv, study.md, and the terminal. SPDX-License-Identifier: GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* study.csv, curves.csv, study.md, and the terminal. */
 #include "study/judge.h"
 
 #include <string.h>

@@ -1,4 +1,5 @@
-/* A study on one process, where there is no MPI (make MPI=0). SPDX-License-Identifier: GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* A study on one process, where there is no MPI (make MPI=0). */
 #include "study/parts.h"
 
 #include <stdlib.h>

@@ -1,6 +1,7 @@
+/* SPDX-License-Identifier: GPL-2.0-or-later */
 /* The ranks that share the runs of a study, by MPI. Rank 0 has a counter in a window of memory from which all
  * take numbers, without asking rank 0 itself: nobody waits for a rank that computes. A stop is a number that
- * no run has. Notes are short messages that need no answer. SPDX-License-Identifier: GPL-2.0-or-later */
+ * no run has. Notes are short messages that need no answer. */
 #include "study/parts.h"
 
 #include <limits.h>

@@ -1,4 +1,5 @@
-/* Numbers and names as people read them. SPDX-License-Identifier: GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* Numbers and names as people read them. */
 #include "io/file.h"
 #include "study/judge.h"
 

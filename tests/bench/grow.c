@@ -1,5 +1,5 @@
+/* SPDX-License-Identifier: GPL-2.0-or-later */
 /* Events per second while packings grow: equal grains, quartz sand, concrete, 2D and 3D.
- * SPDX-License-Identifier: GPL-2.0-or-later
  *
  *   grow [LARGEST [PART]]     number of grains up to LARGEST (default 100000); PART of the volume fraction
  *

@@ -1,7 +1,8 @@
+/* SPDX-License-Identifier: GPL-2.0-or-later */
 /* Time of one RVE update and where it goes: an increment of 0.05 % uniaxial compression to a residual of
  * 1e-8, with tangent. Packings are made here: random disks of the sizes of p150, relaxed at a volume fraction
- * of 0.88, then held to an overlap of about 1 %. SPDX-License-Identifier: GPL-2.0-or-later usage: rve [engine
- * ...]   (default: native lammps) */
+ * of 0.88, then held to an overlap of about 1 %.
+ * usage: rve [engine ...]   (default: native lammps) */
 #include <stdlib.h>
 #include <string.h>
 

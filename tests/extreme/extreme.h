@@ -1,5 +1,6 @@
+/* SPDX-License-Identifier: GPL-2.0-or-later */
 /* What the tests of extremes share: a worst error that is asserted as it grows, and the rows of
- * docs/reports/stability.md. SPDX-License-Identifier: GPL-2.0-or-later
+ * docs/reports/stability.md.
  *
  * GH_EXTREME_TABLE=FILE: each test appends its rows, `section|case|check|outcome`; `make extreme` makes the
  * table of them. GH_EXTREME_FULL=1: the sizes that take minutes. */

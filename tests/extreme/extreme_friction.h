@@ -1,4 +1,5 @@
-/* What the extremes of RVEs with friction share. SPDX-License-Identifier: GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* What the extremes of RVEs with friction share. */
 #ifndef GRANHOM_TESTS_EXTREME_FRICTION_H
 #define GRANHOM_TESTS_EXTREME_FRICTION_H
 

@@ -1,5 +1,5 @@
-/* RVEs at the edges of what can be asked of them: scales, increments, rotations, wild deformations.
- * SPDX-License-Identifier: GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* RVEs at the edges of what can be asked of them: scales, increments, rotations, wild deformations. */
 #include "extreme_rve.h"
 
 /* Stress and tangent grow with the stiffness, from 1e-6 to 1e14, and with nothing else. */

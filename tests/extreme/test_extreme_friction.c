@@ -1,5 +1,5 @@
-/* RVEs with friction at the edges of what can be asked of them: scales, contact laws, packings.
- * SPDX-License-Identifier: GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* RVEs with friction at the edges of what can be asked of them: scales, contact laws, packings. */
 #include "extreme_friction.h"
 
 /* Stress and tangent over E, E_t = 0.8 E and h = 0.1 E with it, from 1e-6 to 1e14. */

@@ -1,5 +1,6 @@
+/* SPDX-License-Identifier: GPL-2.0-or-later */
 /* RVEs with friction at the edges of what can be asked of them: rotations, cycles, increments, wild
- * deformations. SPDX-License-Identifier: GPL-2.0-or-later */
+ * deformations. */
 #include "extreme_friction.h"
 
 /* Turned twice in steps of a degree. By the angle, the slip of a rigid rotation is zero; as printed in (7.5),

@@ -1,4 +1,5 @@
-/* The macro problem at the edges of what can be asked of it. SPDX-License-Identifier: GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* The macro problem at the edges of what can be asked of it. */
 #include "extreme.h"
 #include "granhom/macro.h"
 

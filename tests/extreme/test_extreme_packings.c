@@ -1,5 +1,6 @@
+/* SPDX-License-Identifier: GPL-2.0-or-later */
 /* RVEs at the edges of what can be asked of them: few and many grains, size ratios, overlaps, degenerate
- * packings. SPDX-License-Identifier: GPL-2.0-or-later */
+ * packings. */
 #include "extreme_rve.h"
 
 /* The square lattice, told with one to four grains in a cell, has the stress of two contacts: P11 = -E (2r -

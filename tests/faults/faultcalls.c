@@ -1,5 +1,6 @@
+/* SPDX-License-Identifier: GPL-2.0-or-later */
 /* The calls that faultpoint.c lets fail: each asks whether it is the one, and else calls the function behind
- * it. SPDX-License-Identifier: GPL-2.0-or-later */
+ * it. */
 #define _GNU_SOURCE
 #include "faultpoint.h"
 

@@ -1,4 +1,5 @@
-/* Calls that fail on request: a library for LD_PRELOAD. SPDX-License-Identifier: GPL-2.0-or-later
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* Calls that fail on request: a library for LD_PRELOAD.
  *
  * Every allocation, and every call that reads or writes a file, made by granhom or by a library in whose name
  * it works (LAMMPS, HDF5, SuiteSparse, libyaml, cJSON, cairo, the C++ runtime) is a point; points are counted

@@ -1,5 +1,6 @@
-/* What faultpoint.c and faultcalls.c share: the state of the library, and whether a call is the one to fail.
- * SPDX-License-Identifier: GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* What faultpoint.c and faultcalls.c share: the state of the library, and whether a call is the one to
+ * fail. */
 #ifndef GRANHOM_FAULTPOINT_H
 #define GRANHOM_FAULTPOINT_H
 

@@ -1,4 +1,5 @@
-/* What the fuzz targets share. SPDX-License-Identifier: GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* What the fuzz targets share. */
 #include "fuzz.h"
 
 #include <dirent.h>

@@ -1,4 +1,5 @@
-/* What the fuzz targets share. SPDX-License-Identifier: GPL-2.0-or-later
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* What the fuzz targets share.
  *
  * A target is one file fuzz_NAME.c with LLVMFuzzerTestOneInput. It hands the bytes to one reader and checks
  * what comes back: GH_OK with values that are finite, or GH_INPUT with a message of one line. All else stops

@@ -1,5 +1,6 @@
+/* SPDX-License-Identifier: GPL-2.0-or-later */
 /* Damaged bytes of a binary file: refused, with a message, before HDF5 sees them. Each input is three bytes
- * per change: where, and what is added to the byte there. SPDX-License-Identifier: GPL-2.0-or-later */
+ * per change: where, and what is added to the byte there. */
 #include "../../driver/rve_state.h"
 #include "fuzz.h"
 

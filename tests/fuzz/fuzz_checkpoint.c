@@ -1,5 +1,6 @@
+/* SPDX-License-Identifier: GPL-2.0-or-later */
 /* Restarts: checkpoint.h5 of a run, changed as in fuzz_state.c, and the files that a restart cuts to its
- * increment. SPDX-License-Identifier: GPL-2.0-or-later */
+ * increment. */
 #include "fuzz.h"
 #include "granhom/scene.h"
 

@@ -1,5 +1,5 @@
-/* Tables: any CSV, paths of deformation gradients, tables of conditions of an element test.
- * SPDX-License-Identifier: GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* Tables: any CSV, paths of deformation gradients, tables of conditions of an element test. */
 #include "../../driver/element_spec.h"
 #include "../../driver/path.h"
 #include "fuzz.h"

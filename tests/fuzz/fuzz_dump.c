@@ -1,4 +1,5 @@
-/* Dumps that a restart finds: where their whole frames end. SPDX-License-Identifier: GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* Dumps that a restart finds: where their whole frames end. */
 #include "fuzz.h"
 #include "results/dumps.c" /* the reader is not visible outside it */
 

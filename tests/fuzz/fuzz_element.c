@@ -1,4 +1,5 @@
-/* Control files of element tests. SPDX-License-Identifier: GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* Control files of element tests. */
 #include "../../driver/element_spec.h"
 #include "fuzz.h"
 

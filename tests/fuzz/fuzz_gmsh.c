@@ -1,4 +1,5 @@
-/* Gmsh's meshes. SPDX-License-Identifier: GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* Gmsh's meshes. */
 #include "fuzz.h"
 #include "granhom/macro.h"
 

@@ -1,5 +1,6 @@
+/* SPDX-License-Identifier: GPL-2.0-or-later */
 /* Packings: LAMMPS data files, their replicas and hull. What is read is the same again when it is written and
- * read. SPDX-License-Identifier: GPL-2.0-or-later */
+ * read. */
 #include "fuzz.h"
 #include "granhom/packing.h"
 

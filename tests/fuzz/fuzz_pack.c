@@ -1,4 +1,5 @@
-/* Descriptions of packings: `granhom pack SPEC.yaml`. SPDX-License-Identifier: GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* Descriptions of packings: `granhom pack SPEC.yaml`. */
 #include "../../driver/pack_spec.h"
 #include "fuzz.h"
 

@@ -1,5 +1,5 @@
-/* Records of runs that a study has in its folder; the checksum is that of the changed text.
- * SPDX-License-Identifier: GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* Records of runs that a study has in its folder; the checksum is that of the changed text. */
 #include "fuzz.h"
 #include "study/parts.h"
 

@@ -1,6 +1,7 @@
+/* SPDX-License-Identifier: GPL-2.0-or-later */
 /* A folder of results, as `plot` and `report` read it: run.json, history.csv, convergence.csv, timing.csv as
  * any text, results.h5, rves.h5 and traces.h5 changed as in fuzz_state.c. The first byte of an input states
- * which of them it is. SPDX-License-Identifier: GPL-2.0-or-later */
+ * which of them it is. */
 #include "fuzz.h"
 #include "granhom/report.h"
 

@@ -1,5 +1,5 @@
-/* Scenes: reading, checking, explaining, and the loads of some increments of each step.
- * SPDX-License-Identifier: GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* Scenes: reading, checking, explaining, and the loads of some increments of each step. */
 #include "fuzz.h"
 #include "granhom/scene.h"
 

@@ -1,4 +1,5 @@
-/* Sieve curves, and the grains that follow from them. SPDX-License-Identifier: GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* Sieve curves, and the grains that follow from them. */
 #include "fuzz.h"
 #include "granhom/packing.h"
 

@@ -1,7 +1,7 @@
+/* SPDX-License-Identifier: GPL-2.0-or-later */
 /* States of one material point (--load-state): a file of ours with datasets that are missing, of another type
  * or shape, or with other values. The checksum is that of the changed file, so that the reader sees it;
- * damaged bytes are refused before HDF5 sees them, and are the matter of another target (bytes).
- * SPDX-License-Identifier: GPL-2.0-or-later */
+ * damaged bytes are refused before HDF5 sees them, and are the matter of another target (bytes). */
 #include "../../driver/rve_state.h"
 #include "fuzz.h"
 

@@ -1,4 +1,5 @@
-/* Studies: reading with all that they name, explaining. SPDX-License-Identifier: GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* Studies: reading with all that they name, explaining. */
 #include "fuzz.h"
 #include "study/study.h"
 

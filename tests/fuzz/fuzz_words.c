@@ -1,6 +1,7 @@
+/* SPDX-License-Identifier: GPL-2.0-or-later */
 /* What stands on command lines: numbers, integers, conditions of element tests, parameters of packings, ways
  * to finish one. Each line of an input is a word; the first of two with a blank between them may name a
- * parameter. SPDX-License-Identifier: GPL-2.0-or-later */
+ * parameter. */
 #include "../../driver/pack_spec.h"
 #include "fuzz.h"
 #include "granhom/control.h"

@@ -1,6 +1,6 @@
+/* SPDX-License-Identifier: GPL-2.0-or-later */
 /* YAML documents: printing gives the same document again; setters of paths ("steps.1.increments"). An input
- * is a document, and behind a line "%%" a key and, in the next line, a value. SPDX-License-Identifier:
- * GPL-2.0-or-later */
+ * is a document, and behind a line "%%" a key and, in the next line, a value. */
 #include "fuzz.h"
 
 #include <stdlib.h>

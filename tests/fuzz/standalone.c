@@ -1,5 +1,6 @@
+/* SPDX-License-Identifier: GPL-2.0-or-later */
 /* The loop around a fuzz target where there is no libFuzzer: all files of a corpus, and then changes of them,
- * for some seconds. Usage: TARGET SEED SECONDS FINDING CORPUS. SPDX-License-Identifier: GPL-2.0-or-later
+ * for some seconds. Usage: TARGET SEED SECONDS FINDING CORPUS.
  *
  * An input is written to the file FINDING before it is tried, which is left behind where the program ends in
  * it. */

@@ -1,5 +1,5 @@
-/* What the tests of pair style granhom/coulomb in LAMMPS's own hands share. SPDX-License-Identifier:
- * GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* What the tests of pair style granhom/coulomb in LAMMPS's own hands share. */
 #ifndef GRANHOM_TESTS_COULOMB_HELP_H
 #define GRANHOM_TESTS_COULOMB_HELP_H
 

@@ -1,5 +1,5 @@
-/* What the element tests with materials in closed form and those with packings share.
- * SPDX-License-Identifier: GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* What the element tests with materials in closed form and those with packings share. */
 #ifndef GRANHOM_TESTS_ELEMENT_HELP_H
 #define GRANHOM_TESTS_ELEMENT_HELP_H
 

@@ -1,4 +1,5 @@
-/* A block under a footing, with material points in closed form. SPDX-License-Identifier: GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* A block under a footing, with material points in closed form. */
 #ifndef GRANHOM_TESTS_FOOTING_HELP_H
 #define GRANHOM_TESTS_FOOTING_HELP_H
 

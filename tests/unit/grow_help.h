@@ -1,4 +1,5 @@
-/* Overlap of spheres in DIM dimensions, for the tests of growth. SPDX-License-Identifier: GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* Overlap of spheres in DIM dimensions, for the tests of growth. */
 #ifndef GRANHOM_TESTS_GROW_HELP_H
 #define GRANHOM_TESTS_GROW_HELP_H
 

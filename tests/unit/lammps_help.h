@@ -1,5 +1,5 @@
-/* What the tests of the LAMMPS engine share: packings, engines, contacts and how they are compared.
- * SPDX-License-Identifier: GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* What the tests of the LAMMPS engine share: packings, engines, contacts and how they are compared. */
 #ifndef GRANHOM_TESTS_LAMMPS_HELP_H
 #define GRANHOM_TESTS_LAMMPS_HELP_H
 

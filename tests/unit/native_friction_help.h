@@ -1,5 +1,5 @@
-/* Packings with friction that the tests of the native engine share. SPDX-License-Identifier: GPL-2.0-or-later
- */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* Packings with friction that the tests of the native engine share. */
 #ifndef GRANHOM_TESTS_NATIVE_FRICTION_HELP_H
 #define GRANHOM_TESTS_NATIVE_FRICTION_HELP_H
 

@@ -1,6 +1,5 @@
-/* Studies made in memory, with curves that are known in closed form. SPDX-License-Identifier:
- * GPL-2.0-or-later
- */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* Studies made in memory, with curves that are known in closed form. */
 #ifndef GRANHOM_TESTS_STUDY_HELP_H
 #define GRANHOM_TESTS_STUDY_HELP_H
 

@@ -1,5 +1,5 @@
-/* Small studies in files that the tests of reading and of running share. SPDX-License-Identifier:
- * GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* Small studies in files that the tests of reading and of running share. */
 #ifndef GRANHOM_TESTS_STUDY_READ_HELP_H
 #define GRANHOM_TESTS_STUDY_READ_HELP_H
 

@@ -1,5 +1,5 @@
-/* Made-up studies that the tests of tables and of pictures share. SPDX-License-Identifier: GPL-2.0-or-later
- */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* Made-up studies that the tests of tables and of pictures share. */
 #ifndef GRANHOM_TESTS_STUDY_SHOW_HELP_H
 #define GRANHOM_TESTS_STUDY_SHOW_HELP_H
 

@@ -1,4 +1,5 @@
-/* Status, messages, memory, progress and tensors. SPDX-License-Identifier: GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* Status, messages, memory, progress and tensors. */
 #include "../help.h"
 
 /* Each status has its exit code and words; what is none counts as a failure. */

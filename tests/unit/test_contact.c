@@ -1,4 +1,5 @@
-/* The contact law against differences and its own definition. SPDX-License-Identifier: GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* The contact law against differences and its own definition. */
 #include "../help.h"
 
 #include "contact/normal.h"

@@ -1,5 +1,6 @@
+/* SPDX-License-Identifier: GPL-2.0-or-later */
 /* Coulomb friction by return mapping: closed forms of two grains, balances, and the derivative against
- * differences. SPDX-License-Identifier: GPL-2.0-or-later */
+ * differences. */
 #include "../help.h"
 
 #include "contact/coulomb.h"

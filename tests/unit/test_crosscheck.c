@@ -1,5 +1,6 @@
+/* SPDX-License-Identifier: GPL-2.0-or-later */
 /* Other programs on the same packing and path: closed forms, agreement with an RVE, and what is said of a
- * program that is missing, fails or hangs. SPDX-License-Identifier: GPL-2.0-or-later */
+ * program that is missing, fails or hangs. */
 #include "../help.h"
 
 #include "granhom/crosscheck.h"

@@ -1,4 +1,5 @@
-/* CSV files as spreadsheets and other programs write them. SPDX-License-Identifier: GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* CSV files as spreadsheets and other programs write them. */
 #include "test_io.h"
 
 #include <time.h>

@@ -1,5 +1,6 @@
+/* SPDX-License-Identifier: GPL-2.0-or-later */
 /* LAMMPS data files as others write them: labels, styles, general triclinic cells, sections that mean
- * something. SPDX-License-Identifier: GPL-2.0-or-later */
+ * something. */
 #include "granhom/packing.h"
 #include "test_io.h"
 

@@ -1,5 +1,5 @@
-/* Element tests: conditions, and a point under mixed control, with materials in closed form.
- * SPDX-License-Identifier: GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* Element tests: conditions, and a point under mixed control, with materials in closed form. */
 #include "element_help.h"
 
 #include "control/four.h"

@@ -1,5 +1,5 @@
-/* Element tests with packings: closed form of a lattice, energy, the same path without control.
- * SPDX-License-Identifier: GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* Element tests with packings: closed form of a lattice, energy, the same path without control. */
 #include "element_help.h"
 
 /* P = -sqrt(3) E (1 - c) 1 at F = c 1, so that the pressure p needs c = sqrt(3) E / (sqrt(3) E + p). */

@@ -1,5 +1,5 @@
+/* SPDX-License-Identifier: GPL-2.0-or-later */
 /* What a run knows of its error: marks of a farm, work and energy, two paths that are compared.
- * SPDX-License-Identifier: GPL-2.0-or-later
  *
  * Orders and true errors are those against the same scene with many more increments, solved once.
  * ESTIMATE_TELL=1 prints the numbers of docs/explanation/method.md. */

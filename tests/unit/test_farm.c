@@ -1,5 +1,6 @@
-/* Farms: sharing, pools, packings per point, images, balance, books. Several ranks: tests/system/mpi_run.sh.
- * SPDX-License-Identifier: GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* Farms: sharing, pools, packings per point, images, balance, books. Several ranks:
+ * tests/system/mpi_run.sh. */
 #include "../help.h"
 
 #include "farm/books.h"

@@ -1,4 +1,5 @@
-/* A farm and its points: of any kind, stopped, of RVEs. SPDX-License-Identifier: GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* A farm and its points: of any kind, stopped, of RVEs. */
 #include "../help.h"
 
 #include "granhom/farm.h"

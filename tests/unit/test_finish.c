@@ -1,4 +1,5 @@
-/* From hard packings to mechanics: finish, fabric, hull. SPDX-License-Identifier: GPL-2.0-or-later
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* From hard packings to mechanics: finish, fabric, hull.
  * What a finished packing is, is judged by sums over all pairs and images that are written here again. */
 #include "../help.h"
 

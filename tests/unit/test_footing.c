@@ -1,4 +1,5 @@
-/* The rigid massless footing, with material points in closed form. SPDX-License-Identifier: GPL-2.0-or-later
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* The rigid massless footing, with material points in closed form.
  *
  * The material is a compressible neo-Hooke solid, energy mu/2 (F:F - 2 - 2 ln J) + lambda/2 (ln J)^2, with a
  * limit of the strain increment, a jump of the stress that stays, and an unsymmetric part where a test wants

@@ -1,4 +1,5 @@
-/* Footings of scenes: their loads step by step, and wrong ones. SPDX-License-Identifier: GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* Footings of scenes: their loads step by step, and wrong ones. */
 #include "../help.h"
 #include "macro/internal.h"
 #include "scene/internal.h"

@@ -1,4 +1,5 @@
-/* What fuzzing has found, each as a test. SPDX-License-Identifier: GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* What fuzzing has found, each as a test. */
 #include "test_io.h"
 
 #include "granhom/macro.h"

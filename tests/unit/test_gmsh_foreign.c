@@ -1,5 +1,6 @@
+/* SPDX-License-Identifier: GPL-2.0-or-later */
 /* Gmsh meshes as others write them: sections that say nothing about the mesh, other versions, other elements,
- * many groups. SPDX-License-Identifier: GPL-2.0-or-later */
+ * many groups. */
 #include "granhom/macro.h"
 #include "test_io.h"
 

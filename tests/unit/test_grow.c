@@ -1,5 +1,6 @@
+/* SPDX-License-Identifier: GPL-2.0-or-later */
 /* Event-driven growth: events against an independent slow run. Compiled a second time for three dimensions by
- * test_grow3.c. SPDX-License-Identifier: GPL-2.0-or-later */
+ * test_grow3.c. */
 #include "grow_help.h"
 
 /* ---- small parts ---- */

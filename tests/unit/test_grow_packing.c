@@ -1,5 +1,6 @@
+/* SPDX-License-Identifier: GPL-2.0-or-later */
 /* Event-driven growth: what a grown packing must be. Compiled a second time for three dimensions by
- * test_grow_packing3.c. SPDX-License-Identifier: GPL-2.0-or-later */
+ * test_grow_packing3.c. */
 #include "grow_help.h"
 
 #include "granhom/io.h"

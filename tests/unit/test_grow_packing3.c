@@ -1,4 +1,5 @@
-/* test_grow_packing.c in three dimensions. SPDX-License-Identifier: GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* test_grow_packing.c in three dimensions. */
 #include "packing/to3.h"
 /* the source below takes DIM and the names from to3.h */
 #include "test_grow_packing.c"

@@ -1,5 +1,5 @@
-/* What the tests of file formats share: a folder of their own, a context. SPDX-License-Identifier:
- * GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* What the tests of file formats share: a folder of their own, a context. */
 #ifndef GRANHOM_TEST_IO_H
 #define GRANHOM_TEST_IO_H
 

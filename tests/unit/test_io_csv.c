@@ -1,4 +1,5 @@
-/* Tests of CSV files. SPDX-License-Identifier: GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* Tests of CSV files. */
 #include "test_io.h"
 
 #include <fcntl.h>

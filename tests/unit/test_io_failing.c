@@ -1,5 +1,5 @@
-/* Tests of texts, files and records that memory or the system fails. SPDX-License-Identifier:
- * GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* Tests of texts, files and records that memory or the system fails. */
 #include "test_io.h"
 
 #include "io/file.h"

@@ -1,4 +1,5 @@
-/* Tests of HDF5 files. SPDX-License-Identifier: GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* Tests of HDF5 files. */
 #include "io/seal.h"
 #include "test_io.h"
 

@@ -1,4 +1,5 @@
-/* Tests of LAMMPS data files. SPDX-License-Identifier: GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* Tests of LAMMPS data files. */
 #include "test_io.h"
 
 static const char header[] = "title\n2 atoms\n3 atom types\n-1 1 xlo xhi\n0 2 ylo yhi\n-.5 .5 zlo zhi\n";

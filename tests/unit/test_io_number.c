@@ -1,4 +1,5 @@
-/* Tests of numbers in text. SPDX-License-Identifier: GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* Tests of numbers in text. */
 #include "test_io.h"
 
 #include <float.h>

@@ -1,5 +1,5 @@
-/* Tests of what every text file goes through: encodings, kinds, pipes, sizes. SPDX-License-Identifier:
- * GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* Tests of what every text file goes through: encodings, kinds, pipes, sizes. */
 #include "io/file.h"
 #include "test_io.h"
 

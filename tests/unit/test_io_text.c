@@ -1,4 +1,5 @@
-/* Tests of files that appear whole, folders, paths. SPDX-License-Identifier: GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* Tests of files that appear whole, folders, paths. */
 #include "test_io.h"
 
 #include <fcntl.h>

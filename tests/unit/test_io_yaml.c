@@ -1,4 +1,5 @@
-/* Tests of YAML files. SPDX-License-Identifier: GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* Tests of YAML files. */
 #include "test_io.h"
 
 #include <float.h>

@@ -1,5 +1,5 @@
-/* The LAMMPS engine against closed forms and brute force, and what an engine promises.
- * SPDX-License-Identifier: GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* The LAMMPS engine against closed forms and brute force, and what an engine promises. */
 #include "lammps_help.h"
 
 /* Contacts and their energy by trying all images within `reach` cells. */

@@ -1,5 +1,6 @@
-/* Pair style granhom/coulomb in LAMMPS's own hands: two disks against closed forms, increment by increment.
- * SPDX-License-Identifier: GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* Pair style granhom/coulomb in LAMMPS's own hands: two disks against closed forms, increment by
+ * increment. */
 #include "coulomb_help.h"
 
 #include <lammps/library.h>

@@ -1,5 +1,5 @@
-/* Pair style granhom/coulomb in LAMMPS's own hands: reference packings, boxes that flip, tangents.
- * SPDX-License-Identifier: GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* Pair style granhom/coulomb in LAMMPS's own hands: reference packings, boxes that flip, tangents. */
 #include "coulomb_help.h"
 
 #include <lammps/library.h>

@@ -1,5 +1,5 @@
-/* Wrong use of pair style granhom/coulomb, hybrids, restart files. SPDX-License-Identifier: GPL-2.0-or-later
- */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* Wrong use of pair style granhom/coulomb, hybrids, restart files. */
 #include "coulomb_help.h"
 
 #include <lammps/library.h>

@@ -1,4 +1,5 @@
-/* The LAMMPS engine with friction against the native one. SPDX-License-Identifier: GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* The LAMMPS engine with friction against the native one. */
 #include "../help.h"
 
 enum { MOST = 150, MOST_SLIPS = 2000, ENGINES = 2 };

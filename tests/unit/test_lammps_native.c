@@ -1,5 +1,5 @@
-/* The LAMMPS engine against the native one: contacts, forces, equilibria. SPDX-License-Identifier:
- * GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* The LAMMPS engine against the native one: contacts, forces, equilibria. */
 #include "lammps_help.h"
 
 static const double deformations[][4] = {

@@ -1,5 +1,5 @@
-/* The styles without friction in LAMMPS's own hands, and LAMMPS's errors as messages.
- * SPDX-License-Identifier: GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* The styles without friction in LAMMPS's own hands, and LAMMPS's errors as messages. */
 #include "lammps_help.h"
 
 #include <lammps/library.h>

@@ -1,4 +1,5 @@
-/* Nothing unneeded: what a scene pays for, counted. SPDX-License-Identifier: GPL-2.0-or-later
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* Nothing unneeded: what a scene pays for, counted.
  *
  * The linker sends the calls of granhom's own objects to the counting functions below (--wrap, see the
  * Makefile). What LAMMPS and SuiteSparse allocate inside their own libraries is theirs and is not seen, with

@@ -1,5 +1,6 @@
+/* SPDX-License-Identifier: GPL-2.0-or-later */
 /* The library as a material law: states of many points through one workspace, and two threads with the native
- * engine. SPDX-License-Identifier: GPL-2.0-or-later */
+ * engine. */
 #include "../help.h"
 
 #include <pthread.h>

@@ -1,5 +1,6 @@
+/* SPDX-License-Identifier: GPL-2.0-or-later */
 /* Known limits of a granulate: overlaps and volume fractions of lattices in closed form, each limit from just
- * below and just above. SPDX-License-Identifier: GPL-2.0-or-later */
+ * below and just above. */
 #include "../help.h"
 
 #include "granhom/limits.h"

@@ -1,4 +1,5 @@
-/* Tests of the lock of a folder. SPDX-License-Identifier: GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* Tests of the lock of a folder. */
 #include "test_io.h"
 
 #include <errno.h>

@@ -1,4 +1,5 @@
-/* Meshes and Gmsh files. SPDX-License-Identifier: GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* Meshes and Gmsh files. */
 #include "granhom/macro.h"
 
 #include <setjmp.h>

@@ -1,5 +1,5 @@
-/* The native engine: contacts against brute force over images, forces against the energy, relaxation.
- * SPDX-License-Identifier: GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* The native engine: contacts against brute force over images, forces against the energy, relaxation. */
 #include "../help.h"
 
 enum { MOST = 40 };

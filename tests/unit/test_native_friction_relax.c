@@ -1,5 +1,5 @@
-/* The native engine with friction: relaxation, and what its result must not depend on.
- * SPDX-License-Identifier: GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* The native engine with friction: relaxation, and what its result must not depend on. */
 #include "native_friction_help.h"
 
 /* A reference packing, deformed by F from its state of rest; no history. */

@@ -1,5 +1,5 @@
-/* Numbers that are not finite, huge or tiny: no solver takes them for convergence. SPDX-License-Identifier:
- * GPL-2.0-or-later
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* Numbers that are not finite, huge or tiny: no solver takes them for convergence.
  *
  * The material is a compressible neo-Hooke solid in closed form, energy mu/2 (F:F - 2 - 2 ln J) + lambda/2
  * (ln J)^2, which answers a chosen call, or all calls from there on, with a fault. */

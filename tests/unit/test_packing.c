@@ -1,5 +1,5 @@
-/* Packings: reading, checking, writing; replicas and boundary sets. SPDX-License-Identifier: GPL-2.0-or-later
- */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* Packings: reading, checking, writing; replicas and boundary sets. */
 #include "../help.h"
 
 #include <unistd.h>

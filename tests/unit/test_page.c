@@ -1,4 +1,5 @@
-/* Pictures whose drawing library fails. SPDX-License-Identifier: GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* Pictures whose drawing library fails. */
 #include "../help.h"
 
 #include "report/page.h"

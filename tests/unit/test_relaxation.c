@@ -1,5 +1,5 @@
-/* The ways to equilibrium (polished, damped, FIRE) and the count of pair evaluations.
- * SPDX-License-Identifier: GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* The ways to equilibrium (polished, damped, FIRE) and the count of pair evaluations. */
 #include "../help.h"
 
 #include "granhom/farm.h"

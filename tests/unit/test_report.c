@@ -1,5 +1,6 @@
+/* SPDX-License-Identifier: GPL-2.0-or-later */
 /* The parts of results and report that have closed forms: density functions, anisotropy, nodal averages,
- * tables, dumps that grow by whole frames. SPDX-License-Identifier: GPL-2.0-or-later */
+ * tables, dumps that grow by whole frames. */
 #include "../help.h"
 
 #include "report/report.h"

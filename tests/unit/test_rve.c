@@ -1,4 +1,5 @@
-/* One RVE: what it promises to those who call. SPDX-License-Identifier: GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* One RVE: what it promises to those who call. */
 #include "../help.h"
 
 static const double I[4] = {1, 0, 0, 1}, squeeze[4] = {0.99, 0.004, 0.002, 0.995};

@@ -1,5 +1,5 @@
-/* One RVE along a path: substeps, their balance, trial states nearby, limit cycles of the relaxation.
- * SPDX-License-Identifier: GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* One RVE along a path: substeps, their balance, trial states nearby, limit cycles of the relaxation. */
 #include "../help.h"
 
 static const double I[4] = {1, 0, 0, 1}, squeeze[4] = {0.99, 0.004, 0.002, 0.995};

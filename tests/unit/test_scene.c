@@ -1,5 +1,5 @@
-/* Scenes: what is read, what acts when, what is derived from stresses.
- * SPDX-License-Identifier: GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* Scenes: what is read, what acts when, what is derived from stresses. */
 #include "../help.h"
 #include "scene/internal.h"
 

@@ -1,4 +1,5 @@
-/* Sieve curves: numbers of grains and wrong input. SPDX-License-Identifier: GPL-2.0-or-later
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* Sieve curves: numbers of grains and wrong input.
  * Expected numbers: Tables 3.2 and 3.3 of the dissertation, whose percentages are rounded to four digits. */
 #include "../help.h"
 

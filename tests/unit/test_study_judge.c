@@ -1,5 +1,5 @@
-/* Errors, intervals, fronts and orders of studies whose curves are known. SPDX-License-Identifier:
- * GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* Errors, intervals, fronts and orders of studies whose curves are known. */
 #include "study_help.h"
 
 #define VALUES(...)                                                                                          \

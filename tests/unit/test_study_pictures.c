@@ -1,5 +1,5 @@
-/* Pictures of studies whose curves are known. STUDY_PICTURES=DIR keeps them there. SPDX-License-Identifier:
- * GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* Pictures of studies whose curves are known. STUDY_PICTURES=DIR keeps them there. */
 #include "study_show_help.h"
 
 #include <sys/stat.h>

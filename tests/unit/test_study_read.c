@@ -1,5 +1,5 @@
-/* Studies: what is read and refused, configurations, references and members, paths. SPDX-License-Identifier:
- * GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* Studies: what is read and refused, configurations, references and members, paths. */
 #include "study_read_help.h"
 
 /* ---- reading ---- */

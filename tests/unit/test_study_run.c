@@ -1,5 +1,5 @@
-/* Studies that are run: records, failures, references that are no runs, the closed form.
- * SPDX-License-Identifier: GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* Studies that are run: records, failures, references that are no runs, the closed form. */
 #include "study_read_help.h"
 
 #include <inttypes.h>

@@ -1,4 +1,5 @@
-/* Tables and sentences of studies whose curves are known. SPDX-License-Identifier: GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* Tables and sentences of studies whose curves are known. */
 #include "study_show_help.h"
 
 #include <unistd.h>

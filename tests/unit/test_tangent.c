@@ -1,5 +1,5 @@
-/* The choice of Newton's matrix: the same answer with each, at its own rate. SPDX-License-Identifier:
- * GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* The choice of Newton's matrix: the same answer with each, at its own rate. */
 #include "../help.h"
 
 #include "granhom/macro.h"

@@ -1,5 +1,5 @@
-/* Texts that are not the program's own: control characters, strings of gnuplot, columns of sets.
- * SPDX-License-Identifier: GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* Texts that are not the program's own: control characters, strings of gnuplot, columns of sets. */
 #include "../help.h"
 
 #include "io/file.h"

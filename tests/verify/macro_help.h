@@ -1,5 +1,5 @@
-/* Material points in closed form, and a block of them, for the tests of the macro problem.
- * SPDX-License-Identifier: GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* Material points in closed form, and a block of them, for the tests of the macro problem. */
 #ifndef GRANHOM_TESTS_MACRO_HELP_H
 #define GRANHOM_TESTS_MACRO_HELP_H
 

@@ -1,4 +1,5 @@
-/* Lattices whose stress and tangent are known in closed form. SPDX-License-Identifier: GPL-2.0-or-later
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* Lattices whose stress and tangent are known in closed form.
  *
  * The square lattice of (6.10): # P = m x m grains with the polygon through the outer centres as reference
  * area, V = (2 r (m - 1))^2 (6.9). With the counting of method 8.1 that is a cell of the side 2 r (m - 1)

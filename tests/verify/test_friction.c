@@ -1,5 +1,5 @@
-/* RVEs with friction: stress, algorithmic tangent, energy, rigid rotations, states. SPDX-License-Identifier:
- * GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* RVEs with friction: stress, algorithmic tangent, energy, rigid rotations, states. */
 #include "../help.h"
 
 typedef struct problem {

@@ -1,5 +1,6 @@
+/* SPDX-License-Identifier: GPL-2.0-or-later */
 /* Identities that hold for every correct RVE, on the packings of the reference cases, for all boundary
- * conditions and both engines. SPDX-License-Identifier: GPL-2.0-or-later */
+ * conditions and both engines. */
 #include "../help.h"
 
 static const char *const packings[] = {"p50", "p150", "p150d", "block150"};

@@ -1,5 +1,5 @@
-/* The macro problem against closed forms: elements, loads, Newton, supports that fade.
- * SPDX-License-Identifier: GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* The macro problem against closed forms: elements, loads, Newton, supports that fade. */
 #include "macro_help.h"
 
 /* Patch test: boundary displacements of a uniform F on a distorted mesh give that F and its stress

@@ -1,5 +1,6 @@
+/* SPDX-License-Identifier: GPL-2.0-or-later */
 /* The reference cases of the macro problem: blocks whose 36 or 64 integration points are packings of 150
- * grains. SPDX-License-Identifier: GPL-2.0-or-later
+ * grains.
  *
  * Data and source: tests/data/cases/macro/README.md (an independent program; agreement to 1e-8 of a column's
  * largest value). The macro problem is solved to 1e-11. */

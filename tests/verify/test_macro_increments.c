@@ -1,5 +1,6 @@
+/* SPDX-License-Identifier: GPL-2.0-or-later */
 /* The macro problem against closed forms: increments that are bisected or meet an instability, work, wrong
- * input. SPDX-License-Identifier: GPL-2.0-or-later */
+ * input. */
 #include "macro_help.h"
 
 /* A material that fails beyond a strain increment: the increment is cut and still ends where it should; with

@@ -1,5 +1,7 @@
+/* SPDX-License-Identifier: GPL-2.0-or-later */
 /* The reference cases for one RVE, frictionless and with friction, made by an independent program
- * (tests/data/cases). SPDX-License-Identifier: GPL-2.0-or-later GH_ENGINE=native|lammps restricts the run to
+ * (tests/data/cases).
+ * GH_ENGINE=native|lammps restricts the run to
  * one engine. */
 #include <setjmp.h>
 #include <stdarg.h>

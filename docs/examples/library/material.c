@@ -1,6 +1,6 @@
+/* SPDX-License-Identifier: GPL-2.0-or-later */
 /* A foreign program that uses granhom as a material law: one packing as the workspace, two integration points
- * that share it, a step that is cut, a state that is kept and restored. SPDX-License-Identifier:
- * GPL-2.0-or-later
+ * that share it, a step that is cut, a state that is kept and restored.
  *
  *   cc -std=c17 material.c $(pkg-config --cflags --libs granhom) -o material
  *   ./material PACKING.data PATH.csv [lammps|native]

@@ -1,4 +1,5 @@
-/* The LAMMPS engine: one quiet LAMMPS instance per packing. SPDX-License-Identifier: GPL-2.0-or-later
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* The LAMMPS engine: one quiet LAMMPS instance per packing.
  *
  * LAMMPS cells are upper triangular. The cell H is split into Q T (Q a rotation), a multiple of the first
  * lattice vector taken off the second until the tilt is at most half, the grains are rotated by Q^T and

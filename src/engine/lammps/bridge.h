@@ -1,4 +1,5 @@
-/* The LAMMPS engine's state, and what its files share. SPDX-License-Identifier: GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* The LAMMPS engine's state, and what its files share. */
 #ifndef GRANHOM_LAMMPS_BRIDGE_H
 #define GRANHOM_LAMMPS_BRIDGE_H
 

@@ -1,4 +1,5 @@
-/* LAMMPS's rows of contacts as contacts of the engine. SPDX-License-Identifier: GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* LAMMPS's rows of contacts as contacts of the engine. */
 #include "engine/lammps/bridge.h"
 
 #include <string.h>

@@ -1,5 +1,5 @@
-/* The frame of LAMMPS's cell: lattice, images and positions there and back.
- * SPDX-License-Identifier: GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* The frame of LAMMPS's cell: lattice, images and positions there and back. */
 #include "engine/lammps/bridge.h"
 
 #include <string.h>

@@ -1,4 +1,5 @@
-/* LAMMPS commands that friction cannot follow. SPDX-License-Identifier: GPL-2.0-or-later
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* LAMMPS commands that friction cannot follow.
  *
  * Dumps hold positions, but neither rotations nor slip. LAMMPS's own commands are called through its table of
  * commands, in which ours take their places. */

@@ -1,4 +1,5 @@
-/* LAMMPS commands that friction cannot follow. SPDX-License-Identifier: GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* LAMMPS commands that friction cannot follow. */
 #ifndef GRANHOM_LAMMPS_COMMANDS_H
 #define GRANHOM_LAMMPS_COMMANDS_H
 

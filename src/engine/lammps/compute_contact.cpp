@@ -1,6 +1,6 @@
+/* SPDX-License-Identifier: GPL-2.0-or-later */
 /* LAMMPS compute granhom/contact/local: the contacts of the pair styles granhom/normal and
  * granhom/coulomb as a local array.
- * SPDX-License-Identifier: GPL-2.0-or-later
  *
  * It reads the list that the pair style itself computed its forces with, not an occasional list of its own:
  * LAMMPS bins such lists with the bins of the last rebuild, and loses contacts after the box has changed. */

@@ -1,6 +1,6 @@
+/* SPDX-License-Identifier: GPL-2.0-or-later */
 /* LAMMPS compute granhom/contact/local: the contacts of the pair styles granhom/normal and
- * granhom/coulomb as a local array; the base of granhom/stress and granhom/tangent.
- * SPDX-License-Identifier: GPL-2.0-or-later */
+ * granhom/coulomb as a local array; the base of granhom/stress and granhom/tangent. */
 #ifndef GRANHOM_LAMMPS_COMPUTE_CONTACT_H
 #define GRANHOM_LAMMPS_COMPUTE_CONTACT_H
 

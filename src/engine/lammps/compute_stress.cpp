@@ -1,6 +1,6 @@
+/* SPDX-License-Identifier: GPL-2.0-or-later */
 /* LAMMPS compute granhom/stress: the homogenised stress (5.3-5.6), as Cauchy stress: the sum over all
- * contacts of force (x) branch vector over the volume of the box. SPDX-License-Identifier: GPL-2.0-or-later
- */
+ * contacts of force (x) branch vector over the volume of the box. */
 #include "engine/lammps/compute_stress.h"
 
 #include "domain.h"

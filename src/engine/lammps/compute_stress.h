@@ -1,4 +1,5 @@
-/* LAMMPS compute granhom/stress: the homogenised stress. SPDX-License-Identifier: GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* LAMMPS compute granhom/stress: the homogenised stress. */
 #ifndef GRANHOM_LAMMPS_COMPUTE_STRESS_H
 #define GRANHOM_LAMMPS_COMPUTE_STRESS_H
 

@@ -1,4 +1,5 @@
-/* LAMMPS compute granhom/tangent: the homogenised tangent. SPDX-License-Identifier: GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* LAMMPS compute granhom/tangent: the homogenised tangent. */
 #include "engine/lammps/compute_tangent.h"
 
 #include "engine/lammps/pair_coulomb.h"

@@ -1,4 +1,5 @@
-/* LAMMPS compute granhom/tangent: the homogenised tangent. SPDX-License-Identifier: GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* LAMMPS compute granhom/tangent: the homogenised tangent. */
 #ifndef GRANHOM_LAMMPS_COMPUTE_TANGENT_H
 #define GRANHOM_LAMMPS_COMPUTE_TANGENT_H
 

@@ -1,5 +1,5 @@
-/* Static condensation of a packing's stiffness to the homogenised tangent. SPDX-License-Identifier:
- * GPL-2.0-or-later
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* Static condensation of a packing's stiffness to the homogenised tangent.
  *
  * With z = (l_x, l_y, q) of a contact, z changes by (dF l, 0) + B u, where u are the displacements and
  * rotations of its grains that are not the deformation's own. Equilibrium of what is free: K u + G dF = 0,

@@ -1,5 +1,5 @@
-/* Static condensation of a packing's stiffness to the homogenised tangent, for LAMMPS's users.
- * SPDX-License-Identifier: GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* Static condensation of a packing's stiffness to the homogenised tangent, for LAMMPS's users. */
 #ifndef GRANHOM_LAMMPS_CONDENSE_H
 #define GRANHOM_LAMMPS_CONDENSE_H
 

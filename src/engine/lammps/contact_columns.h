@@ -1,5 +1,5 @@
-/* Columns of compute granhom/contact/local, for the compute and for the bridge that reads them.
- * SPDX-License-Identifier: GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* Columns of compute granhom/contact/local, for the compute and for the bridge that reads them. */
 #ifndef GRANHOM_LAMMPS_CONTACT_COLUMNS_H
 #define GRANHOM_LAMMPS_CONTACT_COLUMNS_H
 

@@ -1,5 +1,5 @@
-/* LAMMPS fix granhom/history: the converged state n of pair style granhom/coulomb.
- * SPDX-License-Identifier: GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* LAMMPS fix granhom/history: the converged state n of pair style granhom/coulomb. */
 #include "engine/lammps/fix_history.h"
 
 #include "engine/lammps/pair_coulomb.h"

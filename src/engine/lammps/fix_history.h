@@ -1,5 +1,5 @@
+/* SPDX-License-Identifier: GPL-2.0-or-later */
 /* LAMMPS fix granhom/history: the converged state n of pair style granhom/coulomb.
- * SPDX-License-Identifier: GPL-2.0-or-later
  *
  * The pair style makes it at the start of the first run. Each atom keeps its own record of every partner, so
  * that it takes them along to another rank, and keys them by the partner's id and the lattice vectors between

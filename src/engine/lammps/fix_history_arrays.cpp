@@ -1,5 +1,5 @@
-/* Fix granhom/history: records move with their atoms, to other ranks and into restart files.
- * SPDX-License-Identifier: GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* Fix granhom/history: records move with their atoms, to other ranks and into restart files. */
 #include "engine/lammps/fix_history.h"
 
 #include "engine/lammps/pair_coulomb.h"

@@ -1,5 +1,5 @@
+/* SPDX-License-Identifier: GPL-2.0-or-later */
 /* LAMMPS fix granhom/relax: dynamic relaxation of grains to a force residual (dissertation 4.4, method 3).
- * SPDX-License-Identifier: GPL-2.0-or-later
  *
  * Unit masses, central differences (4.39), (4.40), damping 2 sqrt(lambda) with lambda from the Rayleigh
  * quotient of the last step. Positions move in initial_integrate, so that forces, energies, ghosts and

@@ -1,5 +1,5 @@
-/* LAMMPS fix granhom/relax: dynamic relaxation of grains to a force residual.
- * SPDX-License-Identifier: GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* LAMMPS fix granhom/relax: dynamic relaxation of grains to a force residual. */
 #ifndef GRANHOM_LAMMPS_FIX_RELAX_H
 #define GRANHOM_LAMMPS_FIX_RELAX_H
 

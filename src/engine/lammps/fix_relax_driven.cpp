@@ -1,5 +1,5 @@
-/* Fix granhom/relax driven by a program: the cell is set, lists are made when they are needed.
- * SPDX-License-Identifier: GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* Fix granhom/relax driven by a program: the cell is set, lists are made when they are needed. */
 #include "engine/lammps/fix_relax.h"
 
 #include "engine/lammps/fix_history.h"

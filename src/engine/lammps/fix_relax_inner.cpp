@@ -1,5 +1,5 @@
-/* Fix granhom/relax: many relaxation steps inside one time step of LAMMPS.
- * SPDX-License-Identifier: GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* Fix granhom/relax: many relaxation steps inside one time step of LAMMPS. */
 #include "engine/lammps/fix_relax.h"
 
 #include "engine/lammps/fix_history.h"

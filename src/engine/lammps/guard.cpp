@@ -1,4 +1,5 @@
-/* Guarded calls of LAMMPS's library: its errors become statuses. SPDX-License-Identifier: GPL-2.0-or-later
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* Guarded calls of LAMMPS's library: its errors become statuses.
  *
  * A library with exceptions throws from C++ calls and keeps the message of C calls for lammps_has_error. In
  * one without, interpose.cpp replaces the functions that would end the process by ones that throw. */

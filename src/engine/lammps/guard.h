@@ -1,5 +1,5 @@
-/* LAMMPS's library interface with its errors caught, within the module. SPDX-License-Identifier:
- * GPL-2.0-or-later
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* LAMMPS's library interface with its errors caught, within the module.
  *
  * Every function returns GH_ENGINE with LAMMPS's own message where LAMMPS would have ended the process. What
  * others than the engine need has the name gh_lmp_* outside, and is described in granhom/lammps.h. */

@@ -1,4 +1,5 @@
-/* Functions of liblammps.so that are replaced. SPDX-License-Identifier: GPL-2.0-or-later
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* Functions of liblammps.so that are replaced.
  *
  * Calls inside a shared library go through a table of addresses, in which the ones here take the place of
  * LAMMPS's: because they come first in the search order, or by rebind.cpp. A library without exceptions

@@ -1,4 +1,5 @@
-/* What the replaced functions of liblammps.so throw. SPDX-License-Identifier: GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* What the replaced functions of liblammps.so throw. */
 #ifndef GRANHOM_LAMMPS_INTERPOSE_H
 #define GRANHOM_LAMMPS_INTERPOSE_H
 

@@ -1,5 +1,5 @@
-/* Commands of LAMMPS that run other programs, off unless they are asked for. SPDX-License-Identifier:
- * GPL-2.0-or-later
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* Commands of LAMMPS that run other programs, off unless they are asked for.
  *
  * Replaced functions of liblammps.so, as in interpose.cpp: every command of a script, an included file, an
  * `if` or a program comes through Input::execute_command, and all that runs Python through Python::init. */

@@ -1,4 +1,5 @@
-/* Commands of LAMMPS that run other programs. SPDX-License-Identifier: GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* Commands of LAMMPS that run other programs. */
 #ifndef GRANHOM_LAMMPS_INTERPOSE_PROGRAMS_H
 #define GRANHOM_LAMMPS_INTERPOSE_PROGRAMS_H
 

@@ -1,4 +1,5 @@
-/* granhom's styles in each instance of LAMMPS. SPDX-License-Identifier: GPL-2.0-or-later
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* granhom's styles in each instance of LAMMPS.
  *
  * LAMMPS::post_create(), which LAMMPS calls for a new instance and after each `clear`, is replaced (how:
  * interpose.cpp) by one that registers our styles too: in the program granhom, and in LAMMPS's own program

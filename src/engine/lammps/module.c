@@ -1,4 +1,5 @@
-/* The table of granhom-lammps.so. SPDX-License-Identifier: GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* The table of granhom-lammps.so. */
 #include "engine/module.h"
 
 #include "engine/lammps/guard.h"

@@ -1,5 +1,5 @@
+/* SPDX-License-Identifier: GPL-2.0-or-later */
 /* LAMMPS pair style granhom/coulomb: normal contact and Coulomb friction of disks by return mapping.
- * SPDX-License-Identifier: GPL-2.0-or-later
  *
  * Every contact is evaluated from state n, which fix granhom/history keeps. With newton off a contact with a
  * ghost is evaluated on both sides, and both atoms have its record. */

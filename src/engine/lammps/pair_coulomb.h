@@ -1,5 +1,5 @@
-/* LAMMPS pair style granhom/coulomb: normal contact and Coulomb friction of disks by return mapping.
- * SPDX-License-Identifier: GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* LAMMPS pair style granhom/coulomb: normal contact and Coulomb friction of disks by return mapping. */
 #ifndef GRANHOM_LAMMPS_PAIR_COULOMB_H
 #define GRANHOM_LAMMPS_PAIR_COULOMB_H
 

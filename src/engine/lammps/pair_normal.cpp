@@ -1,5 +1,5 @@
+/* SPDX-License-Identifier: GPL-2.0-or-later */
 /* LAMMPS pair style granhom/normal: one-sided harmonic normal contact of spheres and disks.
- * SPDX-License-Identifier: GPL-2.0-or-later
  *
  * LAMMPS's sign convention: del = x_i - x_j = -l, and fpair * del is the force on i. */
 #include "engine/lammps/pair_normal.h"

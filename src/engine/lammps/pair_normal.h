@@ -1,5 +1,6 @@
+/* SPDX-License-Identifier: GPL-2.0-or-later */
 /* LAMMPS pair style granhom/normal: one-sided harmonic normal contact of spheres and disks; the base of
- * granhom/coulomb. SPDX-License-Identifier: GPL-2.0-or-later */
+ * granhom/coulomb. */
 #ifndef GRANHOM_LAMMPS_PAIR_NORMAL_H
 #define GRANHOM_LAMMPS_PAIR_NORMAL_H
 

@@ -1,6 +1,7 @@
+/* SPDX-License-Identifier: GPL-2.0-or-later */
 /* granhom's styles as a plugin (`plugin load`) for LAMMPS builds with the PLUGIN package; empty where
  * LAMMPS's header for plugins is not installed, as in Debian: there granhomplugin.so is preloaded
- * (interpose_styles.cpp). SPDX-License-Identifier: GPL-2.0-or-later
+ * (interpose_styles.cpp).
  *
  * Built against the headers of the very LAMMPS that loads it: docs/reference/lammps/README.md. */
 #if __has_include(<lammpsplugin.h>)

@@ -1,4 +1,5 @@
-/* Calls within liblammps.so of functions that are replaced. SPDX-License-Identifier: GPL-2.0-or-later
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* Calls within liblammps.so of functions that are replaced.
  *
  * A shared library calls its own functions through a table of addresses, which the dynamic linker fills with
  * the definitions that come first in its search order. Ours come first where this module brings LAMMPS along.

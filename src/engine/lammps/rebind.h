@@ -1,4 +1,5 @@
-/* Calls within liblammps.so of functions that are replaced. SPDX-License-Identifier: GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* Calls within liblammps.so of functions that are replaced. */
 #ifndef GRANHOM_LAMMPS_REBIND_H
 #define GRANHOM_LAMMPS_REBIND_H
 

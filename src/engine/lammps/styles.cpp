@@ -1,4 +1,5 @@
-/* LAMMPS styles of granhom: registration. SPDX-License-Identifier: GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* LAMMPS styles of granhom: registration. */
 #include "engine/lammps/styles.h"
 
 #include "engine/lammps/commands.h"

@@ -1,4 +1,5 @@
-/* LAMMPS styles of granhom: names and registration. SPDX-License-Identifier: GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* LAMMPS styles of granhom: names and registration. */
 #ifndef GRANHOM_LAMMPS_STYLES_H
 #define GRANHOM_LAMMPS_STYLES_H
 

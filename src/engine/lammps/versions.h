@@ -1,5 +1,6 @@
+/* SPDX-License-Identifier: GPL-2.0-or-later */
 /* What differs between the versions of LAMMPS that granhom builds with (29 Sep 2021 to 4 Feb 2025), found by
- * feature tests, never by version numbers. SPDX-License-Identifier: GPL-2.0-or-later */
+ * feature tests, never by version numbers. */
 #ifndef GRANHOM_LAMMPS_VERSIONS_H
 #define GRANHOM_LAMMPS_VERSIONS_H
 

@@ -1,4 +1,5 @@
-/* The converged state n of the native engine. SPDX-License-Identifier: GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* The converged state n of the native engine. */
 #include "engine/native/history.h"
 
 #include <stdlib.h>

@@ -1,5 +1,5 @@
-/* What the native engine keeps with friction: the converged state n, and what the pairs remember of it.
- * SPDX-License-Identifier: GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* What the native engine keeps with friction: the converged state n, and what the pairs remember of it. */
 #ifndef GRANHOM_NATIVE_HISTORY_H
 #define GRANHOM_NATIVE_HISTORY_H
 

@@ -1,5 +1,5 @@
-/* The native engine: plain C, the reference that LAMMPS is checked against. SPDX-License-Identifier:
- * GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* The native engine: plain C, the reference that LAMMPS is checked against. */
 #include "contact/coulomb.h"
 #include "contact/normal.h"
 #include "engine/native/history.h"

@@ -1,4 +1,5 @@
-/* Candidate pairs of a packing by cells. SPDX-License-Identifier: GPL-2.0-or-later
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* Candidate pairs of a packing by cells.
  *
  * Grains are sorted into nb[0] x nb[1] bins of the cell (or of the bounding box), at least as wide as the
  * largest reach. A cell smaller than the reach has one bin, and the stencil then covers as many images as the

@@ -1,4 +1,5 @@
-/* Candidate pairs of a packing by cells. SPDX-License-Identifier: GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* Candidate pairs of a packing by cells. */
 #ifndef GRANHOM_NATIVE_NEIGHBOURS_H
 #define GRANHOM_NATIVE_NEIGHBOURS_H
 

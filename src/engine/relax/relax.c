@@ -1,5 +1,5 @@
-/* Dynamic relaxation on a list of neighbour pairs (dissertation 4.4). SPDX-License-Identifier:
- * GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* Dynamic relaxation on a list of neighbour pairs (dissertation 4.4). */
 #include "engine/relax/relax.h"
 
 #include "contact/normal.h"

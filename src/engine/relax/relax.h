@@ -1,5 +1,6 @@
+/* SPDX-License-Identifier: GPL-2.0-or-later */
 /* Dynamic relaxation on a list of neighbour pairs; used by the native engine and by LAMMPS's fix
- * granhom/relax. SPDX-License-Identifier: GPL-2.0-or-later */
+ * granhom/relax. */
 #ifndef GRANHOM_ENGINE_RELAX_H
 #define GRANHOM_ENGINE_RELAX_H
 

@@ -1,4 +1,5 @@
-/* FIRE, without and with friction. SPDX-License-Identifier: GPL-2.0-or-later
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* FIRE, without and with friction.
  *
  * One loop for both: s->friction is NULL without friction. Steps are semi-implicit Euler's (velocities, then
  * positions), which J. Guénolé et al., Comput. Mater. Sci. 175, 109584 (2020) found to suit FIRE best. */

@@ -1,5 +1,5 @@
-/* FIRE on a list of neighbour pairs; used by the native engine and by LAMMPS's fix granhom/relax.
- * SPDX-License-Identifier: GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* FIRE on a list of neighbour pairs; used by the native engine and by LAMMPS's fix granhom/relax. */
 #ifndef GRANHOM_ENGINE_RELAX_FIRE_H
 #define GRANHOM_ENGINE_RELAX_FIRE_H
 

@@ -1,5 +1,5 @@
-/* Dynamic relaxation with friction on a list of neighbour pairs (dissertation 4.4, chapter 7).
- * SPDX-License-Identifier: GPL-2.0-or-later */
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* Dynamic relaxation with friction on a list of neighbour pairs (dissertation 4.4, chapter 7). */
 #include "engine/relax/relax_friction.h"
 
 #include "contact/coulomb.h"

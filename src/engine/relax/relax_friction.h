@@ -1,6 +1,6 @@
+/* SPDX-License-Identifier: GPL-2.0-or-later */
 /* Dynamic relaxation with friction: positions and rotations on a list of neighbour pairs with the memory of
- * the converged state; used by the native engine and by LAMMPS's fix granhom/relax. SPDX-License-Identifier:
- * GPL-2.0-or-later */
+ * the converged state; used by the native engine and by LAMMPS's fix granhom/relax. */
 #ifndef GRANHOM_ENGINE_RELAX_FRICTION_H
 #define GRANHOM_ENGINE_RELAX_FRICTION_H
 

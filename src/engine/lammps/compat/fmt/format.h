@@ -1,5 +1,5 @@
+/* SPDX-License-Identifier: GPL-2.0-or-later */
 /* The few declarations of fmt 7 that LAMMPS's headers need and Debian's liblammps-dev lacks.
- * SPDX-License-Identifier: GPL-2.0-or-later
  *
  * Names and layouts follow the binary interface of liblammps (inline namespace v7_lmp): both types are passed
  * in two registers. make_args_checked is declared for LAMMPS's templates but never used: our code hands over
