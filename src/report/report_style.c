@@ -102,8 +102,8 @@ static const char *const script[] = {
     "for(const s of document.querySelectorAll('.slider')){s.style.display='flex';",
     "const i=s.querySelector('input'),o=s.querySelector('output');",
     "i.addEventListener('input',()=>{",
-    "for(const f of "
-    "document.querySelectorAll('[data-frame]'))f.toggleAttribute('hidden',f.dataset.frame!==i.value);",
+    "for(const f of document.querySelectorAll('[data-frame]'))",
+    "f.toggleAttribute('hidden',f.dataset.frame!==i.value);",
     "o.textContent=s.dataset.names.split('|')[i.value]})}"};
 
 void report_print_style(gh_text *out) {

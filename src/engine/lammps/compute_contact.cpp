@@ -108,7 +108,7 @@ void ComputeContact::refuse_stale(const PairNormal &p) {
 bool ComputeContact::ahead(int i, int j, const double *l) const {
   if (coulomb) {
     int k[2];
-    coulomb->history()->image(i, j, k);
+    coulomb->history()->image_n(i, j, k);
     return k[1] != 0 ? k[1] > 0 : k[0] > 0;
   }
   double kz = domain->zperiodic ? std::round(l[2] / domain->zprd) : 0;

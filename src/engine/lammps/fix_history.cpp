@@ -88,7 +88,7 @@ void FixHistory::unwrapped(int i, double x[2]) const {
   x[1] = atom->x[i][1] + H[3] * k[1];
 }
 
-void FixHistory::image(int i, int j, int k[2]) const {
+void FixHistory::image_n(int i, int j, int k[2]) const {
   for (int c = 0; c < 2; c++) k[c] = steps[2 * (std::size_t)j + c] - steps[2 * (std::size_t)i + c];
 }
 
@@ -429,7 +429,7 @@ void FixHistory::follow_births() {
 double FixHistory::moved_by_commands(int i, int j, const double l[2]) const {
   int k[2];
   double H[4], last[2];
-  image(i, j, k);
+  image_n(i, j, k);
   cell(H);
   const double *a = &xl[2 * (std::size_t)i], *b = &xl[2 * (std::size_t)j];
   for (int c = 0; c < 2; c++) last[c] = b[c] - a[c] + (Hl[2 * c] * k[0] + Hl[2 * c + 1] * k[1]);

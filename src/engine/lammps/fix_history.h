@@ -69,7 +69,7 @@ public:
   bool starts() const { return starting; }
   double moved_by_commands(int i, int j, const double l[2]) const;
   /* Image of j as atom i sees it; i is owned. */
-  void image(int i, int j, int k[2]) const;
+  void image_n(int i, int j, int k[2]) const;
   /* Branch vector at n, and theta - theta_n. */
   void branch_n(int i, int j, const int k[2], double ln[2]) const;
   double turned(int i) const { return turn[i]; }

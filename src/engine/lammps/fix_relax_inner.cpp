@@ -64,7 +64,7 @@ static int owner(const Atom *atom, const std::vector<int> &order, int j) {
  * with friction they exert a moment, and the one of the two sides that the keys name stands for both. */
 void FixRelax::add_pair(int i, int j) {
   int o = owner(atom, order, j), k[2] = {0, 0};
-  if (history) history->image(i, j, k);
+  if (history) history->image_n(i, j, k);
   if (o == i ? !history || k[1] < 0 || (k[1] == 0 && k[0] < 0)
              : j >= atom->nlocal && !force->newton_pair && rank[i] > rank[o])
     return;

@@ -182,7 +182,7 @@ void PairCoulomb::evaluate(int i, int j, const double *l, double d, double reach
   const tagint *tag = atom->tag;
   int k[2];
   double ln[2];
-  fix->image(i, j, k);
+  fix->image_n(i, j, k);
   fix->branch_n(i, j, k, ln);
   c->law = &laws[index(atom->type[i], atom->type[j])];
   c->record = fix->find(i, tag[j], k);
