@@ -18,7 +18,9 @@ static struct {
 } screen;
 
 static void clear_line(void) {
-  if (screen.line) fprintf(stderr, "\r\033[K");
+  if (!screen.line) return;
+  fprintf(stderr, "\r\033[K");
+  fflush(stderr); /* before what is printed on standard output */
   screen.line = false;
 }
 

@@ -67,8 +67,11 @@ static int version_print(void) {
 }
 
 /* Standard streams that the caller has closed: files that are opened later must not get their numbers, and
- * what is printed must fail. */
+ * what is printed must fail. A line of standard error goes out whole: of lines in pieces, Open MPI 5 puts
+ * some on standard output, or into the line of another rank. */
 static void streams_open(void) {
+  static char line[8192];
+  setvbuf(stderr, line, _IOLBF, sizeof line);
   for (int fd = 0; fd <= 2; fd++)
     if (fcntl(fd, F_GETFD) == -1 && open("/dev/null", fd == 2 ? O_WRONLY : O_RDONLY) != fd) return;
 }

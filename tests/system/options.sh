@@ -131,4 +131,20 @@ for word in runn plto elemnt; do
 done
 check "help of a command that there is not" sh -c "'$granhom' help nonsense 2>err; test \$? = 2 && grep -q 'there is no command' err"
 check "help help is the page of all commands" cmp <("$granhom" help help) <("$granhom" help)
+
+# --- a line of standard error is one write: mpirun mixes the pieces of others ---
+cat >whole.py <<'P'
+import socket, subprocess, sys
+ours, theirs = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)  # keeps writes apart
+subprocess.run(sys.argv[1:], stderr=theirs)
+theirs.close()
+writes = list(iter(lambda: ours.recv(65536), b""))
+assert writes and all(w.endswith(b"\n") for w in writes), writes
+assert b"granhom" in writes[0], writes
+P
+printf 'packing: %s\n%0500d: 1\n' "$packing" 0 >long.yaml
+for words in 'run long.yaml -o none' 'rve --nonsense' "nonsense" "pack --sieve $(printf 'a%.0s' $(seq 200)) -o none"; do
+  # shellcheck disable=SC2086
+  check "granhom ${words:0:20}: lines of standard error are written whole" /usr/bin/python3 whole.py "$granhom" $words
+done
 exit $bad
