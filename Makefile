@@ -22,6 +22,7 @@
 #   make verification   tables and pictures of docs/reports/verification.md (a quarter of an hour)
 #   make install  PREFIX=/usr/local DESTDIR=   program, library, headers, granhom.pc, manual page;   make uninstall;   make clean
 # BUILD=DIR: another folder than build; CC, CXX, OPT, ARCH: compilers and their options; DEBUG=1: -O0, and messages say where they come from.
+comma := ,
 BUILD  ?= build
 PREFIX ?= /usr/local
 ARCH   ?= -march=native
@@ -61,7 +62,8 @@ LAMMPS ?= /usr/include/lammps
 CFLAGS  = -std=c17 -D_XOPEN_SOURCE=700 $(FLAGS) $(CPPFLAGS_PKG) -fexceptions -fvisibility=hidden
 # LAMMPS's headers are C++11 of their own kind: ours on top of them keep the warnings.
 CXXFLAGS = -std=c++17 $(FLAGS) $(CPPFLAGS_PKG) $(MPI_OF_LAMMPS) -isystem $(LAMMPS) -isystem src/engine/lammps/compat -DLAMMPS_SMALLBIG -DLAMMPS_LIB_MPI
-LDFLAGS = $(SAN)
+# Sanitizers look for the functions of libstdc++ when the program starts, which loads it with the LAMMPS engine alone.
+LDFLAGS = $(SAN) $(if $(SAN),-Wl$(comma)--no-as-needed -lstdc++ -Wl$(comma)--as-needed)
 LIBS_RVE = -lcholmod -lklu -lm
 LDLIBS  = -lumfpack $(LIBS_RVE) $(shell $(PKG_CONFIG) --libs $(PKGS) 2>/dev/null)
 LIBS_LAMMPS = -llammps -lumfpack $(shell $(PKG_CONFIG) --libs ompi-c 2>/dev/null) -lstdc++ -lm
@@ -206,7 +208,6 @@ fuzz-build:
 	@$(MAKE) --no-print-directory -j$$(nproc) BUILD=$(BUILD)-fuzz OPT=-O1 WARN=-w LIBFUZZER=$(HAS_LIBFUZZER) \
 	  $(if $(filter 1,$(HAS_LIBFUZZER)),CC="$(FUZZ_CACHE) clang" CXX="$(FUZZ_CACHE) clang++" SAN="-fsanitize=address$(comma)undefined$(comma)fuzzer-no-link -fno-sanitize=vptr$(comma)function -fno-sanitize-recover=undefined",\
 	  SAN="-fsanitize=address$(comma)undefined -fno-sanitize-recover=undefined") all fuzz-targets
-comma := ,
 fuzz:
 	@scripts/install-packages.sh fuzz
 	@$(MAKE) --no-print-directory fuzz-build
