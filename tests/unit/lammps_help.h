@@ -91,8 +91,11 @@ static inline void deform(packing *p, const double F[4]) {
 }
 
 static inline gh_engine *open_engine(const packing *p, gh_engine_kind kind) {
-  gh_engine_setup s = {
-      .n = p->n, .radius = p->radius, .held = p->held, .periodic = !p->cluster, .law = {STIFFNESS}};
+  gh_engine_setup s = {.n = p->n,
+                       .radius = p->radius,
+                       .held = p->held,
+                       .periodic = !p->cluster,
+                       .law = {.normal_stiffness = STIFFNESS}};
   gh_engine *e;
   OK(gh_engine_create(ctx, kind, &s, &e));
   return e;

@@ -44,8 +44,8 @@ static void dialects_are_read(void **state) {
       "# made by hand\n# a,b\n0.25,10\n0.5,40.5\n",
       "# a b\n0.25 10\n0.5 40.5\n",
       "# remark, with commas\na,b\n0.25,10\n0.5,40.5\n",
-      "\xEF\xBB\xBF"
-      "a;b\r\n0,25;10\r\n\r\n0,5;40,5\r\n",
+      ("\xEF\xBB\xBF"
+       "a;b\r\n0,25;10\r\n\r\n0,5;40,5\r\n"),
       "a,b\r0.25,10\r0.5,40.5\r",
   };
   for (size_t k = 0; k < sizeof texts / sizeof *texts; k++) assert_table(*state, texts[k]);

@@ -269,7 +269,8 @@ static void bad_setup(void **state) {
   const double unit[4] = {4, 0, 0, 4}, nan_x[4] = {0, 0, NAN, 1};
   const int types[] = {1, 5000};
   gh_engine *e;
-  gh_engine_setup s = {.n = 2, .radius = radius, .type = types, .periodic = true, .law = {1}};
+  gh_engine_setup s = {
+      .n = 2, .radius = radius, .type = types, .periodic = true, .law = {.normal_stiffness = 1}};
   assert_int_equal(gh_engine_create(ctx, GH_ENGINE_LAMMPS, &s, &e), GH_INPUT);
   assert_non_null(strstr(gh_message(ctx), "5000"));
   s.type = NULL;

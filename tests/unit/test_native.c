@@ -33,7 +33,8 @@ static void draw(unsigned long long *seed, int n, double largest, sample *s) {
 
 static gh_engine *make_engine(gh_context *ctx, const sample *s, bool periodic, const unsigned char *held) {
   gh_engine *e;
-  gh_engine_setup setup = {.n = s->n, .radius = s->radius, .held = held, .periodic = periodic, .law = {100}};
+  gh_engine_setup setup = {
+      .n = s->n, .radius = s->radius, .held = held, .periodic = periodic, .law = {.normal_stiffness = 100}};
   OK(gh_engine_create(ctx, GH_ENGINE_NATIVE, &setup, &e));
   return e;
 }
@@ -234,8 +235,11 @@ static void relaxation_reaches_equilibrium(void **state) {
   for (int i = 0; i < 50; i += 9) held[i] = 1;
   for (int some = 0; some < 2; some++) {
     gh_engine *e;
-    gh_engine_setup setup = {
-        .n = p->n, .radius = p->radius, .held = some ? held : NULL, .periodic = true, .law = {1000}};
+    gh_engine_setup setup = {.n = p->n,
+                             .radius = p->radius,
+                             .held = some ? held : NULL,
+                             .periodic = true,
+                             .law = {.normal_stiffness = 1000}};
     double cell[4], x[100], y[100], F[4] = {0.99, 0.005, 0, 0.995};
     gh_relax_options o = {.tolerance = 1e-6, .max_steps = 100000, .floor = 0};
     gh_relax_result r;
@@ -263,7 +267,8 @@ static void relaxation_may_run_out_of_steps(void **state) {
   gh_context *ctx = *state;
   gh_packing *p = case_packing(ctx, "p50");
   gh_engine *e;
-  gh_engine_setup setup = {.n = p->n, .radius = p->radius, .periodic = true, .law = {1000}};
+  gh_engine_setup setup = {
+      .n = p->n, .radius = p->radius, .periodic = true, .law = {.normal_stiffness = 1000}};
   gh_relax_options o = {.tolerance = 1e-8, .max_steps = 7};
   gh_relax_result r;
   double cell[4], F[4] = {0.98, 0, 0, 0.98}, x[100];
@@ -315,7 +320,7 @@ static void bad_input_is_refused(void **state) {
   gh_engine *e = NULL;
   double r[2] = {1, 1}, x[4] = {0, 0, 3, 3};
   int type[2] = {1, 0};
-  const gh_engine_setup good = {.n = 2, .radius = r, .periodic = true, .law = {1}};
+  const gh_engine_setup good = {.n = 2, .radius = r, .periodic = true, .law = {.normal_stiffness = 1}};
   gh_engine_setup s = good;
   s.n = 0;
   FAILS(gh_engine_create(ctx, GH_ENGINE_NATIVE, &s, &e), GH_INPUT, "not 0");

@@ -92,7 +92,8 @@ static void fire_is_the_published_one(void **state) {
   const unsigned char held[HELD + 1] = {0, 1, 1, 1, 1, 1};
   FOR_ENGINES(kind) for (int trial = 0; trial < 5; trial++) {
     const nest s = make_nest(&seed);
-    const gh_engine_setup setup = {.n = HELD + 1, .radius = s.radius, .held = held, .law = {E}};
+    const gh_engine_setup setup = {
+        .n = HELD + 1, .radius = s.radius, .held = held, .law = {.normal_stiffness = E}};
     gh_engine *e;
     OK(gh_engine_create(ctx, kind, &setup, &e));
     for (int steps = 0; steps <= STEPS; steps += 3) {

@@ -234,8 +234,8 @@ static void tables_of_laboratories(void **state) {
       "diameter,passing\n0.25,10%\n0.5,40 %\n1.0,80%\n2.0,100%\n",
       "diameter,passing\nmm,%\n0.25,10\n0.5,40\n1.0,80\n2.0,100\n",
       "diameter,passing\n[mm],[%]\n0.25,10\n0.5,40\n1.0,80\n2.0,100\n",
-      "\xEF\xBB\xBF"
-      "diameter [mm],passing [%]\r\n0.25,10\r\n0.5,40\r\n1.0,80\r\n2.0,100\r\n",
+      ("\xEF\xBB\xBF"
+       "diameter [mm],passing [%]\r\n0.25,10\r\n0.5,40\r\n1.0,80\r\n2.0,100\r\n"),
       "d (mm);Passing (%)\n0,25;10\n0,5;40\n1;80\n2;100\n",
       "Sieve size (mm),Percent passing\n2,100\n1,80\n0.5,40\n0.25,10\nPan,0\n",
       "diameter,passing\n0,0\n0.25,10\n0.5,40\n1.0,80\n2.0,100\n",
