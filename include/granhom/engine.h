@@ -72,6 +72,8 @@ typedef struct gh_relax_options {
   gh_relaxation method;
   double least_damping; /* over 1/dt, to begin with: what a relaxation that is continued had in the end; 0:
                            again. With friction and without FIRE, else nothing */
+  long patience; /* steps without half the residual after which it ends unconverged; 0: damping is raised
+                    instead. With friction and without FIRE, else nothing */
 } gh_relax_options;
 
 typedef struct gh_relax_result {
@@ -81,6 +83,23 @@ typedef struct gh_relax_result {
   bool converged;       /* residual <= tolerance, or unjammed */
   double least_damping; /* at the end */
 } gh_relax_result;
+
+/* A ramp: the packing follows a gradient affinely, a part of it in each relaxation step, and relaxes on at the
+ * end. Slip is committed at every step, as in a direct simulation. */
+typedef struct gh_ramp {
+  double to[4]; /* gradient at the end, row-major, det > 0: of the cell, the fixed grains, all positions */
+  long steps;   /* in which it is reached; 0: it is 1, and the packing relaxes, committing */
+  double tolerance; /* of the residual at the end */
+  long max_steps;   /* > steps */
+  double floor;     /* as in gh_relax_options */
+} gh_ramp;
+
+typedef struct gh_ramp_result {
+  gh_relax_result relaxed;
+  double dissipated;    /* by friction on the way */
+  const gh_slip *slips; /* what was committed, as in gh_converged; the engine's, until its next call */
+  int nslips;
+} gh_ramp_result;
 
 /* What an engine has counted since it was made; seconds of its parts.
  *
@@ -125,6 +144,10 @@ GH_API gh_status gh_engine_move(gh_engine *engine, const double *x, const double
 /* Moves the free grains, and rotates all grains that may rotate, towards equilibrium. Not converging within
  * max_steps is no error: look at the result. */
 GH_API gh_status gh_engine_relax(gh_engine *engine, const gh_relax_options *options, gh_relax_result *result);
+/* With friction, after gh_engine_begin and gh_engine_set at the state that the ramp starts from. The state it
+ * ends in becomes state n; cell and positions are those of that state, as after gh_engine_begin and
+ * gh_engine_set with it. Not converging is no error. GH_INPUT: as gh_engine_set, for the cell on the way. */
+GH_API gh_status gh_engine_ramp(gh_engine *engine, const gh_ramp *ramp, gh_ramp_result *result);
 GH_API gh_status gh_engine_contacts(gh_engine *engine, gh_contact_list *list);
 /* Present positions, n x 2, and rotations, n. */
 GH_API gh_status gh_engine_get(gh_engine *engine, double *x, double *theta);

@@ -253,6 +253,23 @@ gh_status gh_engine_relax(gh_engine *e, const gh_relax_options *options, gh_rela
   return GH_OK;
 }
 
+gh_status gh_engine_ramp(gh_engine *e, const gh_ramp *ramp, gh_ramp_result *result) {
+  if (!e->friction || !e->begun)
+    return gh_fail(e->ctx, GH_ENGINE, "a ramp needs friction and a converged state (gh_engine_begin)");
+  if (!gh_finite(ramp->to, 4) || !(gh_det2(ramp->to) > 0) || ramp->steps < 0 ||
+      ramp->max_steps <= ramp->steps)
+    return gh_fail(
+        e->ctx, GH_INPUT,
+        "a ramp to [%g %g; %g %g] in %ld of %ld steps: the determinant must be positive, and steps "
+        "must be left to come to rest",
+        ramp->to[0], ramp->to[1], ramp->to[2], ramp->to[3], ramp->steps, ramp->max_steps);
+  GH_TRY(e->ops->ramp(e->self, ramp, result));
+  if (!isfinite(result->relaxed.residual) || !isfinite(result->relaxed.mean_force))
+    return gh_fail(e->ctx, GH_DIVERGED,
+                   "relaxation gave a residual that is not finite (two grains at one place?)");
+  return GH_OK;
+}
+
 gh_status gh_engine_contacts(gh_engine *e, gh_contact_list *list) {
   return e->ops->contacts(e->self, list);
 }

@@ -14,6 +14,7 @@ void gh_history_free(gh_history *h) {
   free(h->x);
   free(h->theta);
   free(h->slips);
+  free(h->spare);
   free(h->memory);
   *h = (gh_history){0};
 }
@@ -53,5 +54,42 @@ gh_status gh_history_recall(gh_context *ctx, gh_history *h, const gh_neighbours 
     m->gamma_pl = h->slips[s].gamma_pl;
     m->alpha = h->slips[s].alpha;
   }
+  return GH_OK;
+}
+
+/* Of a slip without a pair. */
+static void history_put_apart(gh_slip *to, size_t *count, const gh_slip *old) {
+  if (old->alpha == 0) return;
+  to[*count] = *old;
+  to[*count].gamma = to[*count].gamma_pl = 0;
+  ++*count;
+}
+
+gh_status gh_history_store(gh_context *ctx, gh_history *h, const gh_neighbours *nb, int n, const double *x,
+                           const double cell[4]) {
+  GH_TRY(gh_grow(ctx, nb->npairs + h->nslips + 1, sizeof(gh_slip), &h->spare_capacity, &h->spare));
+  size_t s = 0, count = 0;
+  for (size_t p = 0; p < nb->npairs; p++) { /* both are sorted alike */
+    const gh_pair *q = &nb->pairs[p];
+    const int *k = nb->image + 2 * p;
+    const gh_pair_memory *m = &h->memory[p];
+    for (; s < h->nslips && order(&h->slips[s], q, k) < 0; s++)
+      history_put_apart(h->spare, &count, &h->slips[s]);
+    if (s < h->nslips && order(&h->slips[s], q, k) == 0) s++;
+    if (m->gamma == 0 && m->gamma_pl == 0 && m->alpha == 0) continue;
+    h->spare[count++] = (gh_slip){.i = q->i,
+                                  .j = q->j,
+                                  .image = {k[0], k[1]},
+                                  .gamma = m->gamma,
+                                  .gamma_pl = m->gamma_pl,
+                                  .alpha = m->alpha};
+  }
+  for (; s < h->nslips; s++) history_put_apart(h->spare, &count, &h->slips[s]);
+  gh_slip *const swap = h->slips;
+  const size_t capacity = h->slip_capacity;
+  h->slips = h->spare, h->slip_capacity = h->spare_capacity, h->nslips = count;
+  h->spare = swap, h->spare_capacity = capacity;
+  memcpy(h->x, x, 2 * (size_t)n * sizeof(double));
+  if (cell) memcpy(h->cell, cell, sizeof h->cell);
   return GH_OK;
 }

@@ -146,25 +146,33 @@ static gh_relax_end relax_on_list(native *e, gh_relax_state *s, gh_relax_frictio
                                                                  &r->residual, &r->mean_force, &r->steps);
 }
 
+static gh_relax_state native_grains(native *e) {
+  return (gh_relax_state){.n = e->n,
+                          .held = e->held,
+                          .stiffness = e->law.normal_stiffness,
+                          .x = e->x,
+                          .v = e->v,
+                          .f = e->f,
+                          .x0 = e->x0,
+                          .slack = e->skin / 2};
+}
+
+static gh_relax_friction native_rotating(native *e) {
+  return (gh_relax_friction){.grains = native_grains(e),
+                             .law = &e->law,
+                             .radius = e->radius,
+                             .theta_n = e->history.theta,
+                             .theta = e->theta,
+                             .w = e->w,
+                             .m = e->m};
+}
+
 static gh_status native_relax(void *self, const gh_relax_options *o, gh_relax_result *r) {
   native *e = self;
   double start = gh_seconds();
-  gh_relax_state s = {.n = e->n,
-                      .held = e->held,
-                      .stiffness = e->law.normal_stiffness,
-                      .x = e->x,
-                      .v = e->v,
-                      .f = e->f,
-                      .x0 = e->x0,
-                      .slack = e->skin / 2};
-  gh_relax_friction f = {.grains = s,
-                         .law = &e->law,
-                         .radius = e->radius,
-                         .theta_n = e->history.theta,
-                         .theta = e->theta,
-                         .w = e->w,
-                         .m = e->m,
-                         .watch = {.least = o->least_damping}};
+  gh_relax_state s = native_grains(e);
+  gh_relax_friction f = native_rotating(e);
+  f.watch = (gh_relax_watch){.least = o->least_damping, .patience = o->patience};
   *r = (gh_relax_result){0};
   gh_relax_end end = GH_RELAX_REBUILD;
   while (end == GH_RELAX_REBUILD && r->steps < o->max_steps) {
@@ -175,6 +183,45 @@ static gh_status native_relax(void *self, const gh_relax_options *o, gh_relax_re
   }
   r->converged = end == GH_RELAX_CONVERGED || end == GH_RELAX_UNJAMMED;
   r->least_damping = f.watch.least;
+  e->cost.steps += r->steps;
+  e->cost.relax_seconds += gh_seconds() - start;
+  return GH_OK;
+}
+
+/* The cell, the list and state n of where the ramp is. */
+static gh_status native_follow_ramp(native *e, const gh_relax_ramp *ramp, const double from[4]) {
+  double G[4];
+  gh_relax_ramp_gradient(ramp, G);
+  if (e->periodic) gh_mul2(G, from, e->cell);
+  GH_TRY(gh_history_store(e->ctx, &e->history, &e->nb, e->n, e->x, e->periodic ? e->cell : NULL));
+  return find_pairs(e);
+}
+
+static gh_status native_ramp(void *self, const gh_ramp *o, gh_ramp_result *result) {
+  native *e = self;
+  double start = gh_seconds(), from[4];
+  gh_relax_ramp ramp = {.steps = o->steps};
+  gh_relax_friction f = native_rotating(e);
+  gh_relax_result *r = &result->relaxed;
+  memcpy(ramp.to, o->to, sizeof ramp.to);
+  memcpy(from, e->cell, sizeof from);
+  f.ramp = &ramp;
+  *result = (gh_ramp_result){0};
+  gh_relax_end end = GH_RELAX_REBUILD;
+  while (end == GH_RELAX_REBUILD && r->steps < o->max_steps) {
+    const long before = r->steps;
+    f.grains.pairs = e->nb.pairs, f.grains.npairs = (int)e->nb.npairs;
+    f.grains.work = e->work, f.grains.x0 = e->x0;
+    f.memory = e->history.memory;
+    end = gh_relax_friction_run(&f, o->tolerance, o->floor, o->max_steps - r->steps, &r->residual,
+                                &r->mean_force, &r->steps);
+    e->cost.pairs += (r->steps - before) * (long)e->nb.npairs;
+    GH_TRY(native_follow_ramp(e, &ramp, from));
+  }
+  r->converged = end == GH_RELAX_CONVERGED || end == GH_RELAX_UNJAMMED;
+  r->least_damping = f.watch.least;
+  result->dissipated = ramp.dissipated;
+  result->slips = e->history.slips, result->nslips = (int)e->history.nslips;
   e->cost.steps += r->steps;
   e->cost.relax_seconds += gh_seconds() - start;
   return GH_OK;
@@ -288,6 +335,7 @@ const gh_engine_ops gh_native_ops = {.name = "native",
                                      .set = native_set,
                                      .move = native_move,
                                      .relax = native_relax,
+                                     .ramp = native_ramp,
                                      .contacts = native_contacts,
                                      .get = native_get,
                                      .costs = native_costs};

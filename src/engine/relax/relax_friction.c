@@ -19,7 +19,7 @@ enum { PATIENCE = 1000 };
 /* Numbers of each pair: what it is and remembers, one array for each, so that loops over pairs vectorise; and
  * what it exerts: force on grain i, couple, overlap. */
 enum { SHIFT_X, SHIFT_Y, REACH, LN_X, LN_Y, GAMMA, GAMMA_PL, ALPHA, GIVEN };
-enum { FORCE_X, FORCE_Y, COUPLE, OVERLAP, EXERTED };
+enum { FORCE_X, FORCE_Y, COUPLE, OVERLAP, DISSIPATED, EXERTED };
 enum { PER_BLOCK = 6 };
 
 /* Grains between contacts that slide the wrong way spin: nothing resists until the slip of one of them has
@@ -39,10 +39,11 @@ typedef struct parts {
   double *old_c;  /* n: sums of the couples of the last step */
   double *block;  /* PER_BLOCK n: stiffness of each grain alone */
   double *before; /* n: `rolled` when it was last looked for spins */
+  double *x0;     /* 2 n: on a ramp, where the pairs were found, moved along */
 } parts;
 
 size_t gh_relax_friction_work(int n, int npairs) {
-  return (GIVEN + EXERTED) * (size_t)npairs + (6 + PER_BLOCK) * (size_t)n;
+  return (GIVEN + EXERTED) * (size_t)npairs + (8 + PER_BLOCK) * (size_t)n;
 }
 
 static parts divide(const gh_relax_friction *s) {
@@ -55,6 +56,7 @@ static parts divide(const gh_relax_friction *s) {
   w.old_c = w.old_f + 2 * n;
   w.block = w.old_c + n;
   w.before = w.block + PER_BLOCK * n;
+  w.x0 = w.before + n;
   return w;
 }
 
@@ -75,9 +77,9 @@ static void lay_out(const gh_relax_friction *s, const parts *w) {
 }
 
 /* Forces, couples and overlaps of all pairs, without branches so that it vectorises; inlined for one measure
- * of slip at a time. A grain's own image exerts no net force. */
+ * of slip at a time, with and without commit. A grain's own image exerts no net force. */
 static inline void pair_forces(const gh_pair *restrict pairs, size_t n, const gh_contact_law law,
-                               const double *restrict given, const double *restrict x,
+                               bool commits, double *restrict given, const double *restrict x,
                                const double *restrict rolled, double *restrict out) {
   for (size_t p = 0; p < n; p++) {
     const int i = pairs[p].i, j = pairs[p].j;
@@ -98,19 +100,30 @@ static inline void pair_forces(const gh_pair *restrict pairs, size_t n, const gh
     out[FORCE_Y * n + p] = net * r.f[1];
     out[COUPLE * n + p] = touch * r.couple;
     out[OVERLAP * n + p] = e;
+    if (!commits) continue;
+    out[DISSIPATED * n + p] = touch * r.multiplier * law.normal_stiffness * law.friction_coefficient * e;
+    given[LN_X * n + p] = l[0];
+    given[LN_Y * n + p] = l[1];
+    given[GAMMA * n + p] = touch * r.gamma; /* a contact that opens loses its slip, not its hardening */
+    given[GAMMA_PL * n + p] = touch * r.gamma_pl;
+    given[ALPHA * n + p] = e >= 0 ? r.alpha : s.alpha;
   }
 }
 
-static void projected_forces(const gh_relax_friction *s, const parts *w) {
+static void pairs_by_measure(const gh_relax_friction *s, const parts *w, gh_slip_measure slip) {
+  const gh_relax_state *g = &s->grains;
   gh_contact_law law = *s->law;
-  law.slip = GH_SLIP_PROJECTED;
-  pair_forces(s->grains.pairs, (size_t)s->grains.npairs, law, w->given, s->grains.x, w->rolled, w->pair);
+  law.slip = slip;
+  if (s->ramp) pair_forces(g->pairs, (size_t)g->npairs, law, true, w->given, g->x, w->rolled, w->pair);
+  else pair_forces(g->pairs, (size_t)g->npairs, law, false, w->given, g->x, w->rolled, w->pair);
+}
+
+static void projected_forces(const gh_relax_friction *s, const parts *w) {
+  pairs_by_measure(s, w, GH_SLIP_PROJECTED);
 }
 
 static void objective_forces(const gh_relax_friction *s, const parts *w) {
-  gh_contact_law law = *s->law;
-  law.slip = GH_SLIP_OBJECTIVE;
-  pair_forces(s->grains.pairs, (size_t)s->grains.npairs, law, w->given, s->grains.x, w->rolled, w->pair);
+  pairs_by_measure(s, w, GH_SLIP_OBJECTIVE);
 }
 
 /* Adds forces and couples of the pairs to the grains; returns the mean overlap. Pairs are sorted by i: that
@@ -146,6 +159,13 @@ static double gather(const gh_relax_friction *s, const double *restrict pair, do
   return contacts ? overlap / contacts : 0;
 }
 
+/* What the pairs do not have themselves. */
+static void ramp_commit(gh_relax_friction *s, const parts *w) {
+  const size_t n = (size_t)s->grains.npairs;
+  for (size_t p = 0; p < n; p++) s->ramp->dissipated += w->pair[DISSIPATED * n + p];
+  if (!s->law->fixed_rotations) memcpy(s->theta_n, s->theta, (size_t)s->grains.n * sizeof(double));
+}
+
 /* The moment over the radius is the sum of the couples: m = -r sum M. */
 static double forces(gh_relax_friction *s, const parts *w, double *mean_force) {
   const gh_relax_state *g = &s->grains;
@@ -153,6 +173,7 @@ static double forces(gh_relax_friction *s, const parts *w, double *mean_force) {
   for (int i = 0; i < g->n; i++) w->rolled[i] = turns ? s->radius[i] * (s->theta[i] - s->theta_n[i]) : 0;
   if (s->law->slip == GH_SLIP_OBJECTIVE) objective_forces(s, w);
   else projected_forces(s, w);
+  if (s->ramp) ramp_commit(s, w);
   *mean_force = s->law->normal_stiffness * gather(s, w->pair, w->couple);
   double largest = 0, all = 0;
   for (int i = 0; i < g->n; i++) {
@@ -355,12 +376,13 @@ static void leap(gh_relax_friction *s, const parts *w, double *mean_force) {
 /* Raises the least damping where the residual does not come down; from the largest back to the first, because
  * what flutters wants more of it, and a grain that creeps out between its last contacts less. */
 static void watch(gh_relax_watch *w, double residual) {
-  if (w->record == 0) *w = (gh_relax_watch){.record = INFINITY, .least = fmax(w->least, LEAST_DAMPING)};
-  if (residual <= 0.5 * w->record) w->record = residual, w->waited = 0;
-  else if (++w->waited == PATIENCE)
-    *w =
-        (gh_relax_watch){.record = residual,
-                         .least = w->least < MOST_DAMPING ? fmin(2 * w->least, MOST_DAMPING) : LEAST_DAMPING};
+  if (w->record == 0) w->record = INFINITY, w->waited = 0, w->least = fmax(w->least, LEAST_DAMPING);
+  if (residual <= 0.5 * w->record) {
+    w->record = residual, w->waited = 0;
+  } else if (++w->waited == PATIENCE && w->patience == 0) {
+    w->record = residual, w->waited = 0;
+    w->least = w->least < MOST_DAMPING ? fmin(2 * w->least, MOST_DAMPING) : LEAST_DAMPING;
+  }
 }
 
 /* Nothing moves yet (4.41): what the velocities held before is not looked at. */
@@ -369,14 +391,118 @@ static void start(gh_relax_friction *s) {
   if (!s->law->fixed_rotations) memset(s->w, 0, (size_t)s->grains.n * sizeof(double));
 }
 
+/* ---- ramps ---- */
+
+void gh_relax_ramp_gradient(const gh_relax_ramp *ramp, double G[4]) {
+  const double share = ramp->steps > 0 ? (double)ramp->done / (double)ramp->steps : 1;
+  for (int k = 0; k < 4; k++) {
+    const double one = k == 0 || k == 3 ? 1 : 0;
+    G[k] = ramp->done < ramp->steps ? one + share * (ramp->to[k] - one) : ramp->to[k];
+  }
+}
+
+static bool ramp_is_over(const gh_relax_friction *s) {
+  return !s->ramp || s->ramp->done >= s->ramp->steps;
+}
+
+/* The list is made for positions, and images, that the ramp leaves: `reach` is that of the largest pair. */
+typedef struct ramp_list {
+  double from[4], reach;
+} ramp_list;
+
+static ramp_list ramp_begin(gh_relax_friction *s, const parts *w) {
+  gh_relax_state *g = &s->grains;
+  ramp_list list = {.reach = 0};
+  if (!s->ramp) return list;
+  for (int p = 0; p < g->npairs; p++) list.reach = fmax(list.reach, g->pairs[p].reach);
+  gh_relax_ramp_gradient(s->ramp, list.from);
+  memcpy(w->x0, g->x0, 2 * (size_t)g->n * sizeof(double));
+  g->x0 = w->x0;
+  return list;
+}
+
+/* The next part: all positions and images follow, and grains rotate with the body. */
+static void ramp_advance(gh_relax_friction *s, const parts *w) {
+  gh_relax_state *g = &s->grains;
+  const size_t n = (size_t)g->npairs;
+  double before[4], after[4], inverse[4], D[4];
+  gh_relax_ramp_gradient(s->ramp, before);
+  s->ramp->done++;
+  gh_relax_ramp_gradient(s->ramp, after);
+  gh_inv2(before, inverse);
+  gh_mul2(after, inverse, D);
+  for (int i = 0; i < g->n; i++) {
+    gh_apply2(D, g->x + 2 * i, g->x + 2 * i);
+    gh_apply2(D, w->x0 + 2 * i, w->x0 + 2 * i);
+  }
+  for (size_t p = 0; p < n; p++) {
+    const double shift[2] = {w->given[SHIFT_X * n + p], w->given[SHIFT_Y * n + p]};
+    w->given[SHIFT_X * n + p] = D[0] * shift[0] + D[1] * shift[1];
+    w->given[SHIFT_Y * n + p] = D[2] * shift[0] + D[3] * shift[1];
+  }
+  const double turn = atan2(D[2] - D[1], D[0] + D[3]);
+  for (int i = 0; i < g->n && !s->law->fixed_rotations; i++) s->theta[i] += turn;
+}
+
+/* How far a grain may be from where the list was made: pairs beyond reach and skin come nearer by the strain
+ * since then, too. */
+static double ramp_slack(const gh_relax_friction *s, const ramp_list *list) {
+  const double slack = s->grains.slack;
+  double now[4], inverse[4], D[4], strain = 0;
+  if (!s->ramp) return slack;
+  gh_relax_ramp_gradient(s->ramp, now);
+  gh_inv2(list->from, inverse);
+  gh_mul2(now, inverse, D);
+  const double turn = atan2(D[2] - D[1], D[0] + D[3]), c = cos(turn), si = sin(turn);
+  const double out[4] = {D[0] - c, D[1] + si, D[2] - si, D[3] - c};
+  for (int k = 0; k < 4; k++) strain += out[k] * out[k];
+  return fmax(0, slack - 0.5 * sqrt(strain) * (list->reach + 2 * slack));
+}
+
+/* What was committed, into the memory of the pairs. */
+static gh_relax_end ramp_end(gh_relax_friction *s, const parts *w, gh_relax_end end) {
+  const size_t n = (size_t)s->grains.npairs;
+  for (size_t p = 0; s->ramp && p < n; p++)
+    s->memory[p] = (gh_pair_memory){.ln = {w->given[LN_X * n + p], w->given[LN_Y * n + p]},
+                                    .gamma = w->given[GAMMA * n + p],
+                                    .gamma_pl = w->given[GAMMA_PL * n + p],
+                                    .alpha = w->given[ALPHA * n + p]};
+  return end;
+}
+
+/* ---- the relaxation ---- */
+
+/* Raises damping, or turns spinning grains on, where the residual does not come down. True: it ends here. */
+static bool stalls(gh_relax_friction *s, const parts *w, long k, double residual, double *mean_force) {
+  if (!ramp_is_over(s)) return false;
+  watch(&s->watch, residual);
+  if (s->watch.patience > 0 && s->watch.waited >= s->watch.patience) return true;
+  if (s->ramp || k % SPIN_PATIENCE != 0 || s->law->fixed_rotations) return false;
+  if (k > 0 && s->watch.waited >= SPIN_PATIENCE && residual <= SPIN_RESIDUAL) leap(s, w, mean_force);
+  memcpy(w->before, w->rolled, (size_t)s->grains.n * sizeof(double));
+  return false;
+}
+
+/* One step; true: the list must be made again. */
+static bool step(gh_relax_friction *s, const parts *w, const ramp_list *list, double dt) {
+  gh_relax_state *g = &s->grains;
+  g->damping = fmax(g->damping, s->watch.least / dt);
+  memcpy(w->old_f, g->f, 2 * (size_t)g->n * sizeof(double));
+  memcpy(w->old_c, w->couple, (size_t)g->n * sizeof(double));
+  const double far = advance(s, w->couple, g->damping, dt);
+  if (!ramp_is_over(s)) ramp_advance(s, w);
+  const double slack = ramp_slack(s, list);
+  return far > slack * slack;
+}
+
 gh_relax_end gh_relax_friction_run(gh_relax_friction *s, double tolerance, double floor, long max_steps,
                                    double *residual, double *mean_force, long *steps) {
   gh_relax_state *g = &s->grains;
   const parts w = divide(s);
-  const size_t n = (size_t)g->n;
   double dt = 0;
   bool far = false, stale = true;
   lay_out(s, &w);
+  const ramp_list list = ramp_begin(s, &w);
   if (!g->started) start(s);
   for (long k = 0;; k++) {
     const double largest = forces(s, &w, mean_force);
@@ -388,19 +514,13 @@ gh_relax_end gh_relax_friction_run(gh_relax_friction *s, double tolerance, doubl
       g->damping = 2 * sqrt(lowest);
       stale = gh_relax_time_step(lowest) < 0.95 * dt; /* above the bound of all eigenvalues: new contacts */
     }
-    if (far) return GH_RELAX_REBUILD; /* before anything is concluded: the list may miss contacts */
-    if (*mean_force <= floor) return *residual = 0, GH_RELAX_UNJAMMED;
-    if (*residual <= tolerance) return GH_RELAX_CONVERGED;
-    if (k + 1 >= max_steps) return GH_RELAX_STEPS;
+    if (far)
+      return ramp_end(s, &w, GH_RELAX_REBUILD); /* before anything is concluded: contacts may be missed */
+    if (ramp_is_over(s) && *mean_force <= floor) return *residual = 0, ramp_end(s, &w, GH_RELAX_UNJAMMED);
+    if (ramp_is_over(s) && *residual <= tolerance) return ramp_end(s, &w, GH_RELAX_CONVERGED);
+    if (k + 1 >= max_steps) return ramp_end(s, &w, GH_RELAX_STEPS);
     if (stale || k % BOUND_EVERY == 0) dt = time_step(s, w.block);
-    watch(&s->watch, *residual);
-    if (k % SPIN_PATIENCE == 0 && !s->law->fixed_rotations) {
-      if (k > 0 && s->watch.waited >= SPIN_PATIENCE && *residual <= SPIN_RESIDUAL) leap(s, &w, mean_force);
-      memcpy(w.before, w.rolled, n * sizeof(double));
-    }
-    g->damping = fmax(g->damping, s->watch.least / dt);
-    memcpy(w.old_f, g->f, 2 * n * sizeof(double));
-    memcpy(w.old_c, w.couple, n * sizeof(double));
-    far = advance(s, w.couple, g->damping, dt) > g->slack * g->slack;
+    if (stalls(s, &w, k, *residual, mean_force)) return ramp_end(s, &w, GH_RELAX_STEPS);
+    far = step(s, &w, &list, dt);
   }
 }

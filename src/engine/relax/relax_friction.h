@@ -18,25 +18,39 @@ typedef struct gh_pair_memory {
   double gamma, gamma_pl, alpha;
 } gh_pair_memory;
 
-/* Whether the residual comes down; zero at the start, but for `least` where a relaxation is continued;
- * carried from list to list like `started`. */
+/* Whether the residual comes down; zero at the start, but for `least` where a relaxation is continued, and
+ * `patience`; carried from list to list like `started`. */
 typedef struct gh_relax_watch {
   double record; /* residual to come down to half of */
   long waited;   /* steps since then */
   double least;  /* least damping, over 1/dt */
+  long
+      patience; /* steps without half the residual after which relaxation ends; 0: damping is raised instead */
 } gh_relax_watch;
+
+/* A ramp (method 3, "Ramps"): the packing follows a gradient affinely, a part of it in each step, and slip is
+ * committed at every step; so it is after the last part. Carried from list to list. */
+typedef struct gh_relax_ramp {
+  double to[4];      /* gradient at the end, from the positions at the start; its parts lie on a line */
+  long steps, done;  /* parts; those behind */
+  double dissipated; /* by friction since the start */
+} gh_relax_ramp;
+/* The gradient after the parts behind: 1 + done/steps (to - 1). */
+void gh_relax_ramp_gradient(const gh_relax_ramp *ramp, double G[4]);
 
 /* A packing under relaxation. All arrays belong to the caller. Of `grains`, stiffness is not looked at. With
  * friction a grain and its own image do exert a moment: such pairs (i == j) belong to the list, once. */
 typedef struct gh_relax_friction {
   gh_relax_state grains; /* n, held, pairs, x, v, f, x0, slack, started, damping; work: see below */
   const gh_contact_law *law;
-  const double *radius;         /* n */
-  const gh_pair_memory *memory; /* npairs, parallel to grains.pairs */
-  const double *theta_n;        /* n: rotations of the converged state */
-  double *theta, *w, *m;        /* n: rotations, angular velocities of the last half step, moments. Left alone
+  const double *radius;   /* n */
+  gh_pair_memory *memory; /* npairs, parallel to grains.pairs; a ramp leaves what it has committed */
+  double *theta_n;        /* n: rotations of the converged state; with a ramp those of the last step */
+  double *theta, *w, *m;  /* n: rotations, angular velocities of the last half step, moments. Left alone
                                    where the law fixes rotations: theta must be theta_n then */
   gh_relax_watch watch;
+  gh_relax_ramp *ramp; /* NULL: F stays, slip counts from the converged state. Else sums of lattice vectors
+                          follow the gradient, those in grains.pairs excepted */
 } gh_relax_friction;
 
 /* Doubles that grains.work must have. */
