@@ -10,6 +10,8 @@ static const char *const boundaries[] = {[GH_TAYLOR] = "taylor",
 static const char *const engines[] = {[GH_ENGINE_LAMMPS] = "lammps", [GH_ENGINE_NATIVE] = "native", NULL};
 static const char *const relaxations[] = {
     [GH_RELAX_POLISHED] = "polished", [GH_RELAX_DAMPED] = "damped", [GH_RELAX_FIRE] = "fire", NULL};
+static const char *const integrations[] = {
+    [GH_INTEGRATION_RAMP] = "ramp", [GH_INTEGRATION_WHOLE] = "whole", NULL};
 static const char *const rotations[] = {"free", "fixed", NULL};
 static const char *const slips[] = {
     [GH_SLIP_PROJECTED] = "projected", [GH_SLIP_OBJECTIVE] = "objective", NULL};
@@ -108,6 +110,15 @@ const option_row packing_solver_rows[] = {
      PLACE(rve.relaxation),
      .help = "polished: damped central differences, then Newton where it is safe; damped: damped central "
              "differences alone; fire: FIRE alone"},
+    {.name = "integration",
+     .argument = "WORD",
+     .kind = OPTION_CHOICE,
+     .words = integrations,
+     PLACE(rve.integration),
+     .standard = "ramp",
+     .help = "ramp: slip is integrated along a ramp of F, and over a short last part; whole: over the whole "
+             "increment at once, as Table 7.1 does, which has no equilibrium in some increments; with "
+             "friction and free grains"},
     {.name = "max-steps",
      .argument = "N",
      .kind = OPTION_LONG,

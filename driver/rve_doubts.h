@@ -7,13 +7,12 @@
 
 /* Of the substeps of one increment; zero at the start. */
 typedef struct rve_doubts {
-  int kept;        /* intermediate history commits */
   double residual; /* the largest of those accepted unconverged; 0: none were */
 } rve_doubts;
 
 /* A substep in equilibrium, before it is committed. */
 void rve_doubts_add(rve_doubts *d, const gh_rve_measures *m);
-/* At most two warnings, "step N: ...", and zero again. */
+/* At most one warning, "step N: ...", and zero again. */
 void rve_doubts_tell(gh_context *ctx, rve_doubts *d, long step);
 
 #endif

@@ -87,7 +87,8 @@ GH_API void gh_rve_cost_add(gh_rve_cost *sum, const gh_rve_cost *more); /* sum +
 typedef struct gh_farm_counts {
   long evaluations, steps, factorisations, pairs; /* of points: evaluations, relaxation steps,
                                                      factorisations, pair evaluations (gh_engine_cost) */
-  long kept;         /* evaluations with an intermediate history commit (gh_rve_measures) */
+  long ramps;        /* with friction and free grains (gh_rve_measures) */
+  long settled;      /* of these, to F itself */
   long accepted;     /* evaluations accepted unconverged (gh_rve_options) */
   long computed;     /* evaluations done, points that share counted once */
   long moved;        /* states that went from rank to rank */

@@ -18,6 +18,14 @@ typedef enum gh_boundary { GH_TAYLOR, GH_TAYLOR_CELL, GH_RESTRICTED, GH_PERIODIC
 GH_API bool gh_boundary_from_name(const char *name, gh_boundary *b);
 GH_API const char *gh_boundary_name(gh_boundary b);
 
+/* How slip is counted within an increment where grains are free (method 3, "Ramps"): along a ramp of F, committed
+ * in every relaxation step, and over a short last part; or over the whole increment at once, as Table 7.1 does,
+ * which has no equilibrium in some increments. Where all grains follow F it is the whole one always. */
+typedef enum gh_integration { GH_INTEGRATION_RAMP, GH_INTEGRATION_WHOLE } gh_integration;
+/* "ramp", "whole"; false when the word is neither. */
+GH_API bool gh_integration_from_name(const char *name, gh_integration *integration);
+GH_API const char *gh_integration_name(gh_integration integration);
+
 typedef struct gh_rve_options {
   gh_boundary boundary;
   gh_engine_kind engine;
@@ -29,6 +37,7 @@ typedef struct gh_rve_options {
                     up to which the packing is accepted unconverged; 0, the default: none */
   gh_relaxation relaxation; /* the method of finding equilibrium; default GH_RELAX_POLISHED. The others take
                                no Newton step: relaxation alone has to reach the tolerance */
+  gh_integration integration; /* of slip; default GH_INTEGRATION_RAMP. Without friction it is nothing */
   double allow_overlap;     /* of accepted states, see granhom/limits.h: 0, the default: gh_default_limits;
                                INFINITY: any; else the largest mean overlap over the mean radius */
 } gh_rve_options;
@@ -62,7 +71,8 @@ typedef struct gh_rve_measures {
   int engulfed; /* contacts with an overlap above the smaller radius: a centre lies in the other grain */
   int sliding;  /* contacts on the Coulomb limit */
   int factorisations;
-  int kept;        /* intermediate history commits (docs/explanation/method.md, "Limit cycles") */
+  int ramps;       /* of this evaluation (docs/explanation/method.md, "Ramps") */
+  int settled;     /* the last ramp led to F itself: slip has no equilibrium over the last part */
   int accepted;    /* unconverged: by options.accept, or in gh_rve_reach */
   int polished;    /* the residual was reached by the Newton finish */
   int unjammed;    /* no contact, or free grains without contact force: P = 0, A = 0 */
@@ -91,9 +101,9 @@ GH_API gh_status gh_rve_evaluate(gh_rve *rve, const double F[4], unsigned want, 
 /* The same, with a trial state of this RVE (gh_rve_save_trial) that was found from the same converged state:
  * the search for equilibrium starts there if F is near to its F, that is, no farther than a tenth of the
  * distance from the converged one to that. A packing that has several equilibria at nearly the same F then
- * stays with the one that it has, where a search from the converged state may come to another. The history of
- * contacts counts from the converged state, or from the last intermediate history commit before that trial
- * state, so that its tangent holds. NULL, and Taylor's conditions: as gh_rve_evaluate. GH_INPUT: the state
+ * stays with the one that it has, where a search from the converged state may come to another. Slip counts
+ * from what it counted from in that trial state, the converged state or the end of a ramp, so that its tangent
+ * holds. NULL, and Taylor's conditions: as gh_rve_evaluate. GH_INPUT: the state
  * does not fit. */
 GH_API gh_status gh_rve_evaluate_near(gh_rve *rve, const double F[4], const double *near, size_t size,
                                       unsigned want, double P[4], double A[16]);

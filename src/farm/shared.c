@@ -264,7 +264,8 @@ static void answers_spread(farm_shared *s, int end, double *P, double *A) {
     b->counts.steps += a->m.steps;
     b->counts.factorisations += a->m.factorisations;
     b->counts.pairs += a->m.pairs;
-    b->counts.kept += a->m.kept > 0;
+    b->counts.ramps += a->m.ramps;
+    b->counts.settled += a->m.settled;
     b->counts.accepted += a->m.accepted;
   }
 }

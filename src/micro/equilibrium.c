@@ -15,23 +15,19 @@ static bool relaxation_has_finish(const gh_rve *r) {
 /* Newton may take over a limit cycle of the relaxation below this residual. */
 static const double near = 1e-2;
 
-/* Relaxation steps until a limit cycle is suspected: with friction 5000; after an intermediate history commit
- * four times 500, four times 1000, four times 2000, and 5000 from then on. */
+/* Relaxation steps until grains are stopped and relaxation starts again; with friction a limit cycle is
+ * suspected then. */
 static long relaxation_portion(const gh_rve *r) {
-  enum { WITHOUT_FRICTION = 50000, FIRST = 5000 };
-  static const long then[] = {500, 1000, 2000};
-  if (!gh_rve_friction(r)) return WITHOUT_FRICTION;
-  const int k = (r->m.kept - 1) / 4;
-  return r->m.kept && k < (int)(sizeof then / sizeof *then) ? then[k] : FIRST;
+  enum { WITHOUT_FRICTION = 50000, WITH_FRICTION = 5000 };
+  return gh_rve_friction(r) ? WITH_FRICTION : WITHOUT_FRICTION;
 }
 
-/* In a limit cycle, or slow. Slip of an increment depends on its end alone, so that a limit cycle gives back
- * what it has dissipated, which grains in motion do not. */
-static gh_status limit_cycle_end(gh_rve *r, double tolerance, bool goes_on) {
-  if (!r->m.kept && r->m.residual <= near && relaxation_has_finish(r))
-    GH_TRY(gh_rve_leave_limit_cycle(r, tolerance));
-  if (r->m.residual <= tolerance || !r->relaxes || !goes_on) return GH_OK;
-  return gh_rve_commit_history(r);
+/* In a limit cycle, or slow: slip of an increment depends on its end alone, so that a limit cycle gives back
+ * what it has dissipated, which grains in motion do not. A ramp has none. */
+static gh_status limit_cycle_end(gh_rve *r, double tolerance) {
+  if (gh_rve_patience(r) > 0) return gh_rve_ramp_to_rest(r);
+  if (r->m.residual <= near && relaxation_has_finish(r)) return gh_rve_leave_limit_cycle(r, tolerance);
+  return GH_OK;
 }
 
 /* Relaxation by the engine until the residual as it is defined here is met: the engine sums in another order
@@ -47,7 +43,8 @@ static gh_status residual_relax(gh_rve *r, double tolerance, long *left) {
                           .max_steps = *left < most ? *left : most,
                           .floor = floor,
                           .method = r->options.relaxation,
-                          .least_damping = least};
+                          .least_damping = least,
+                          .patience = gh_rve_patience(r)};
     gh_relax_result result;
     GH_TRY(gh_engine_relax(r->engine, &o, &result));
     *left -= result.steps;
@@ -56,7 +53,7 @@ static gh_status residual_relax(gh_rve *r, double tolerance, long *left) {
     r->cost.relax += gh_seconds() - start;
     GH_TRY(gh_rve_update_contacts(r));
     if (gh_rve_friction(r) && !result.converged)
-      GH_TRY(limit_cycle_end(r, fmax(tolerance, gh_rve_target(r)), *left > 0));
+      GH_TRY(limit_cycle_end(r, fmax(tolerance, gh_rve_target(r))));
     if (r->m.residual <= fmax(tolerance, gh_rve_target(r))) return GH_OK;
     r->m.accepted = *left <= 0 && (r->m.residual * r->m.mean_force <= r->options.accept ||
                                    r->m.residual <= r->accept_within * fmax(tolerance, gh_rve_target(r)));
@@ -66,7 +63,7 @@ static gh_status residual_relax(gh_rve *r, double tolerance, long *left) {
                      "no equilibrium within %ld relaxation steps at F = [%.6g %.6g; %.6g %.6g]: the largest "
                      "force is %.3g of the mean contact force, required %.3g",
                      r->m.steps, r->F[0], r->F[1], r->F[2], r->F[3], r->m.residual, tolerance);
-    least = result.converged || r->m.kept ? 0 : result.least_damping;
+    least = result.converged ? 0 : result.least_damping;
     if (!result.converged) continue;
     asked *= 0.5 * fmin(1, tolerance / r->m.residual);
     floor *= 0.5;

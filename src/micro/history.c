@@ -77,37 +77,19 @@ gh_status gh_rve_begin_increment(gh_rve *r) {
   return GH_OK;
 }
 
-gh_status gh_rve_resume_history(gh_rve *r) {
-  const gh_intermediate *k = &r->intermediate;
+gh_status gh_rve_resume_base(gh_rve *r) {
+  const gh_base *k = &r->base;
   r->begun = false;
+  r->based = true;
   return history_start(r, k->F, k->y, k->theta, &k->slips);
 }
 
 gh_status gh_rve_advance_history(gh_rve *r) {
   const double start = gh_seconds();
-  const gh_slips *from = r->m.kept ? &r->intermediate.slips : &r->history;
-  r->dissipated = r->m.kept ? r->intermediate.dissipated : r->dissipatedn;
+  const gh_slips *from = r->based ? &r->base.slips : &r->history;
+  r->dissipated = r->based ? r->base.dissipated : r->dissipatedn;
   for (int c = 0; c < r->list.count; c++) r->dissipated += r->list.friction[c].dissipated;
   GH_TRY(gh_slips_advance(r->ctx, from, &r->list, r->options.law.hardening > 0, &r->trial_history));
   r->cost.history += gh_seconds() - start;
   return GH_OK;
-}
-
-gh_status gh_rve_commit_history(gh_rve *r) {
-  gh_intermediate *k = &r->intermediate;
-  double inverse[4], cell[4];
-  GH_TRY(gh_rve_advance_history(r));
-  const gh_slips swap = k->slips;
-  k->slips = r->trial_history;
-  r->trial_history = swap;
-  k->dissipated = r->dissipated;
-  GH_TRY(gh_engine_get(r->engine, r->x, k->theta));
-  memcpy(k->F, r->F, sizeof k->F);
-  gh_inv2(r->F, inverse);
-  for (int i = 0; i < r->n; i++) gh_apply2(inverse, &r->x[2 * i], &k->y[2 * i]);
-  GH_TRY(gh_rve_resume_history(r));
-  gh_mul2(r->F, r->packing->cell, cell);
-  GH_TRY(gh_engine_set(r->engine, cell, r->x, k->theta));
-  r->m.kept++;
-  return gh_rve_update_contacts(r);
 }

@@ -116,12 +116,12 @@ gh_status gh_slips_advance(gh_context *ctx, const gh_slips *from, const gh_conta
 
 /* ---- the RVE ---- */
 
-/* A state that slip counts from and that is no converged one: committed mid-increment. */
-typedef struct gh_intermediate {
+/* A state that slip counts from and that is no converged one: the end of a ramp. */
+typedef struct gh_base {
   double F[4], *y, *theta; /* n x 2 positions F^-1 x, n rotations */
   double dissipated;       /* by friction since the start */
   gh_slips slips;
-} gh_intermediate;
+} gh_base;
 
 struct gh_rve {
   gh_context *ctx;
@@ -151,8 +151,12 @@ struct gh_rve {
   bool trial;
   double *thetan, *theta;          /* n: rotations of both states; NULL without friction */
   gh_slips history, trial_history; /* with friction */
-  gh_intermediate intermediate;    /* with friction: state committed last within this evaluation */
+  gh_base base;                    /* with friction and free grains: what slip counts from ... */
+  bool based;                      /* ... if this is set, else from the converged state */
   double dissipatedn, dissipated;  /* by friction since the start, of both states */
+  double pressuren;                /* mean pressure of the converged state; negative: not known yet */
+  gh_friction *sliding;            /* list.friction of a state that a ramp has led to F */
+  size_t sliding_capacity;
   bool begun;                      /* the engine has the converged state */
   double shift;        /* of the coupled stiffness in this evaluation: 0 until it has turned out singular */
   double *x, *step;    /* n x 2 work: positions in space of the last evaluation, and of a Newton step */
@@ -167,10 +171,11 @@ struct gh_rve {
 
 /* ---- state.c ---- */
 
-/* Where the search for equilibrium starts. Where slip of that state was committed mid-increment,
- * r->intermediate is what its slip counts from. */
+/* Where the search for equilibrium starts. Where slip of that state counts from the end of a ramp, it is in
+ * r->base, and r->based is set. */
 typedef struct gh_start {
   const double *F, *y, *theta;
+  bool near; /* at a trial state */
 } gh_start;
 gh_status gh_state_check(const gh_rve *rve, const double *state, size_t size);
 /* From the converged state, or from the trial state `near` (NULL: none) where it is near. */
@@ -180,11 +185,8 @@ gh_status gh_state_start(gh_rve *rve, const double *near, gh_start *start);
 
 /* Gives the converged state to the engine, once, and not again before it changes. */
 gh_status gh_rve_begin_increment(gh_rve *rve);
-/* Intermediate history commit: slip continues from the current contacts, in equilibrium or not, as it does in
- * each time step of a direct simulation (docs/explanation/method.md, "Limit cycles"). */
-gh_status gh_rve_commit_history(gh_rve *rve);
-/* Slip continues from rve->intermediate as it is. */
-gh_status gh_rve_resume_history(gh_rve *rve);
+/* Slip counts from rve->base from now on. */
+gh_status gh_rve_resume_base(gh_rve *rve);
 /* The trial state's history and dissipation, from the current contacts. */
 gh_status gh_rve_advance_history(gh_rve *rve);
 /* Slips as a row of numbers. GH_INPUT: a key that is not made of integers. */
@@ -213,6 +215,22 @@ gh_status gh_rve_factor(gh_rve *rve, bool help, bool *regular);
  * is at the last safe positions, and *again: another attempt after more relaxation is worth it. */
 gh_status gh_rve_newton_finish(gh_rve *rve, bool *done, bool *again);
 gh_status gh_rve_leave_limit_cycle(gh_rve *rve, double tolerance);
+
+/* ---- ramp.c ---- */
+
+/* Whether slip is integrated along ramps. */
+bool gh_rve_ramps(const gh_rve *rve);
+/* The mean pressure of the converged state, where it is that of a packing as read, which no evaluation has
+ * measured. */
+gh_status gh_rve_find_pressure(gh_rve *rve);
+/* A ramp from the converged state to the start of the last part of the increment, where the increment is longer
+ * than that; *start becomes its end, which slip counts from. */
+gh_status gh_rve_ramp_to_base(gh_rve *rve, gh_start *start);
+/* A ramp to F itself, to rest within the tolerance, where the last part has no equilibrium. Contacts are
+ * current; those on the Coulomb limit slide in the tangent. */
+gh_status gh_rve_ramp_to_rest(gh_rve *rve);
+/* Steps without half the residual after which the last part counts as without equilibrium; 0: it may take all. */
+long gh_rve_patience(const gh_rve *rve);
 
 /* ---- equilibrium.c, stress.c, tangent.c ---- */
 

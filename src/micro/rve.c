@@ -41,9 +41,10 @@ void gh_rve_destroy(gh_rve **rve) {
                           r->all_held,
                           r->history.slips,
                           r->trial_history.slips,
-                          r->intermediate.y,
-                          r->intermediate.theta,
-                          r->intermediate.slips.slips};
+                          r->base.y,
+                          r->base.theta,
+                          r->base.slips.slips,
+                          r->sliding};
   for (size_t k = 0; k < sizeof arrays / sizeof *arrays; k++) free(arrays[k]);
   free(r);
   *rve = NULL;
@@ -90,9 +91,10 @@ static gh_status rve_make_state(gh_rve *r) {
   memcpy(r->y, r->X, n * sizeof(double));
   memcpy(r->Fn, (double[4]){1, 0, 0, 1}, sizeof r->Fn);
   memcpy(r->F, r->Fn, sizeof r->F);
+  r->pressuren = -1;
   if (!gh_rve_friction(r)) return GH_OK;
-  double **const turns[] = {&r->thetan, &r->theta, &r->turn, &r->theta0, &r->intermediate.theta},
-                 **const places[] = {&r->x0, &r->intermediate.y};
+  double **const turns[] = {&r->thetan, &r->theta, &r->turn, &r->theta0, &r->base.theta},
+                 **const places[] = {&r->x0, &r->base.y};
   for (size_t k = 0; k < sizeof turns / sizeof *turns; k++)
     GH_TRY(gh_alloc(r->ctx, (size_t)r->n, sizeof(double), turns[k]));
   for (size_t k = 0; k < sizeof places / sizeof *places; k++)
@@ -156,7 +158,9 @@ static void rotations_guess(gh_rve *r, const gh_start *b) {
 
 static gh_status rve_evaluate(gh_rve *r, const double *near, unsigned want, double A[16]) {
   gh_start b;
+  if (gh_rve_ramps(r)) GH_TRY(gh_rve_find_pressure(r));
   GH_TRY(gh_state_start(r, near, &b));
+  if (gh_rve_ramps(r) && !b.near) GH_TRY(gh_rve_ramp_to_base(r, &b));
   for (int i = 0; i < r->n; i++)
     gh_apply2(r->F, &b.y[2 * i], &r->x[2 * i]); /* the affine guess keeps the fluctuations */
   if (r->theta) rotations_guess(r, &b);

@@ -7,9 +7,8 @@
 #include <string.h>
 
 /* A state is F and positions y; with friction more: rotations, numbers, slips. A trial state whose slip
- * was committed mid-increment is marked among the numbers, and the state that its slip counts from follows
- * it. */
-enum { DISSIPATED, INTERMEDIATE, SLIPS, NUMBERS };
+ * counts from the end of a ramp is marked among the numbers, and that end follows it. */
+enum { DISSIPATED, PRESSURE, BASED, SLIPS, NUMBERS };
 
 static size_t state_size(const gh_rve *r, int nslips) {
   const size_t n = (size_t)r->n, basic = 4 + 2 * n;
@@ -34,8 +33,8 @@ static state_parts state_split(const gh_rve *r, const double *state) {
 }
 
 /* Whether another state stands behind it. */
-static bool state_has_intermediate(const state_parts *p) {
-  return p->numbers && p->numbers[INTERMEDIATE] > 0;
+static bool state_has_base(const state_parts *p) {
+  return p->numbers && p->numbers[BASED] > 0;
 }
 
 /* One state of at most `size` numbers, and how many it has by its own count: more, if it is cut off. */
@@ -57,7 +56,7 @@ gh_status gh_state_check(const gh_rve *r, const double *state, size_t size) {
   size_t used, more = 0;
   GH_TRY(state_check_parts(r, state, size, &used));
   const state_parts p = used < size ? state_split(r, state) : (state_parts){0};
-  if (state_has_intermediate(&p)) GH_TRY(state_check_parts(r, state + used, size - used, &more));
+  if (state_has_base(&p)) GH_TRY(state_check_parts(r, state + used, size - used, &more));
   if (used + more == size) return GH_OK;
   return gh_fail(r->ctx, GH_INPUT,
                  "the state to load has %zu numbers, which does not fit this packing and its contact law",
@@ -71,27 +70,27 @@ static double gradient_distance(const double F[4], const double G[4]) {
   return hypot(hypot(F[0] - G[0], F[1] - G[1]), hypot(F[2] - G[2], F[3] - G[3]));
 }
 
-static gh_status state_resume_intermediate(gh_rve *r, const double *state) {
+static gh_status state_resume_base(gh_rve *r, const double *state) {
   const state_parts p = state_split(r, state);
   const size_t n = (size_t)r->n;
-  gh_intermediate *k = &r->intermediate;
+  gh_base *k = &r->base;
   memcpy(k->F, p.F, sizeof k->F);
   memcpy(k->y, p.y, 2 * n * sizeof(double));
   memcpy(k->theta, p.theta, n * sizeof(double));
   k->dissipated = p.numbers[DISSIPATED];
-  r->m.kept = 1;
   GH_TRY(gh_slips_load(r->ctx, p.slips, p.nslips, &k->slips));
-  return gh_rve_resume_history(r);
+  return gh_rve_resume_base(r);
 }
 
 /* From the converged state, or from the trial state that is near. */
 gh_status gh_state_start(gh_rve *r, const double *near, gh_start *b) {
   *b = (gh_start){.F = r->Fn, .y = r->yn, .theta = r->thetan};
+  r->based = false;
   if (!near || !r->relaxes || gradient_distance(r->F, near) > nearby * gradient_distance(near, r->Fn))
     return gh_rve_begin_increment(r);
   const state_parts p = state_split(r, near);
-  *b = (gh_start){.F = p.F, .y = p.y, .theta = p.theta};
-  return state_has_intermediate(&p) ? state_resume_intermediate(r, p.end) : gh_rve_begin_increment(r);
+  *b = (gh_start){.F = p.F, .y = p.y, .theta = p.theta, .near = true};
+  return state_has_base(&p) ? state_resume_base(r, p.end) : gh_rve_begin_increment(r);
 }
 
 gh_status gh_rve_commit(gh_rve *r) {
@@ -105,6 +104,7 @@ gh_status gh_rve_commit(gh_rve *r) {
   r->history = r->trial_history;
   r->trial_history = swap;
   r->dissipatedn = r->dissipated;
+  r->pressuren = gh_max(0, -(r->m.cauchy[0] + r->m.cauchy[3]) / 2);
   r->begun = false;
   return GH_OK;
 }
@@ -115,7 +115,7 @@ gh_status gh_rve_revert(gh_rve *r) {
 }
 
 /* Writes a state; returns its end. */
-static double *state_put(const gh_rve *r, const gh_start *b, double dissipated, bool kept, const gh_slips *h,
+static double *state_put(const gh_rve *r, const gh_start *b, double dissipated, bool based, const gh_slips *h,
                          double *to) {
   const size_t n = (size_t)r->n;
   memcpy(to, b->F, 4 * sizeof *to);
@@ -125,7 +125,8 @@ static double *state_put(const gh_rve *r, const gh_start *b, double dissipated, 
   memcpy(to, b->theta, n * sizeof *to);
   to += n;
   to[DISSIPATED] = dissipated;
-  to[INTERMEDIATE] = kept;
+  to[PRESSURE] = r->pressuren;
+  to[BASED] = based;
   to[SLIPS] = h->count;
   gh_slips_save(h, to + NUMBERS);
   return to + NUMBERS + GH_SLIP_NUMBERS * (size_t)h->count;
@@ -139,11 +140,11 @@ gh_status gh_rve_save(const gh_rve *r, double *state) {
 
 gh_status gh_rve_save_trial(const gh_rve *r, double *state) {
   if (!r->trial) return gh_rve_save(r, state);
-  const gh_intermediate *k = &r->intermediate;
+  const gh_base *k = &r->base;
   const gh_start b = {.F = r->F, .y = r->y, .theta = r->theta},
                  base = {.F = k->F, .y = k->y, .theta = k->theta};
-  double *end = state_put(r, &b, r->dissipated, r->m.kept > 0, &r->trial_history, state);
-  if (r->m.kept) state_put(r, &base, k->dissipated, false, &k->slips, end);
+  double *end = state_put(r, &b, r->dissipated, r->based, &r->trial_history, state);
+  if (r->based) state_put(r, &base, k->dissipated, false, &k->slips, end);
   return GH_OK;
 }
 
@@ -153,7 +154,7 @@ size_t gh_rve_state_size(const gh_rve *r) {
 
 size_t gh_rve_trial_size(const gh_rve *r) {
   if (!r->trial) return gh_rve_state_size(r);
-  return state_size(r, r->trial_history.count) + (r->m.kept ? state_size(r, r->intermediate.slips.count) : 0);
+  return state_size(r, r->trial_history.count) + (r->based ? state_size(r, r->base.slips.count) : 0);
 }
 
 gh_status gh_rve_load(gh_rve *r, const double *state, size_t size) {
@@ -167,5 +168,6 @@ gh_status gh_rve_load(gh_rve *r, const double *state, size_t size) {
   if (!gh_rve_friction(r)) return GH_OK;
   memcpy(r->thetan, p.theta, n * sizeof(double));
   r->dissipatedn = p.numbers[DISSIPATED];
+  r->pressuren = p.numbers[PRESSURE];
   return gh_slips_load(r->ctx, p.slips, p.nslips, &r->history);
 }

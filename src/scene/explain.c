@@ -102,6 +102,9 @@ static void explain_micro(const gh_scene *s, gh_text *out) {
   if (relaxes || turns)
     gh_text_print(out, "relaxation        %s, to a residual of %g\n", ways[s->micro.relaxation],
                   s->micro.tolerance);
+  if (relaxes && turns)
+    gh_text_print(out, "slip              integrated %s\n",
+                  s->micro.integration == GH_INTEGRATION_RAMP ? "along ramps of F" : "over whole increments");
   if ((relaxes || turns) && s->micro.accept > 0)
     gh_text_print(
         out, "                  after %ld steps accepted unconverged, if no unbalanced force is above %g\n",
@@ -303,9 +306,9 @@ void gh_summary_print(const gh_run_summary *m, const char *folder, gh_text *out)
         m->farm.ranks, GH_S(m->farm.ranks), m->farm.evaluations, m->farm.computed,
         100 * (1 - (double)m->farm.computed / (double)m->farm.evaluations), m->farm.moved,
         GH_S(m->farm.moved), m->farm.states, GH_S(m->farm.states), m->points);
-  if (m->farm.kept > 0)
-    gh_text_print(out, "in %ld evaluation%s a limit cycle of the relaxation: intermediate history commits\n",
-                  m->farm.kept, GH_S(m->farm.kept));
+  if (m->farm.ramps > 0)
+    gh_text_print(out, "%ld ramp%s, %ld of them to rest where the last part of an increment had no equilibrium\n",
+                  m->farm.ramps, GH_S(m->farm.ramps), m->farm.settled);
   if (m->farm.accepted > 0)
     gh_text_print(out, "in %ld evaluation%s a packing was accepted unconverged (micro.accept)\n",
                   m->farm.accepted, GH_S(m->farm.accepted));

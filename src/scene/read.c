@@ -136,6 +136,11 @@ static gh_status read_micro(gh_scene *s, node root) {
     if (!gh_relaxation_from_name(word, &s->micro.relaxation))
       return gh_yaml_fail(n, "relaxation '%s' is none of polished, damped, fire", word);
   }
+  if (gh_yaml_has(n = gh_yaml_get(micro, "integration"))) {
+    GH_TRY(gh_yaml_text(n, "integration", &word));
+    if (!gh_integration_from_name(word, &s->micro.integration))
+      return gh_yaml_fail(n, "integration '%s' is neither ramp nor whole", word);
+  }
   if (gh_yaml_has(n = gh_yaml_get(micro, "max_steps")))
     GH_TRY(gh_yaml_integer(n, "max_steps", 1, 2000000000, &s->micro.max_steps));
   if (gh_yaml_has(n = gh_yaml_get(micro, "accept"))) GH_TRY(gh_yaml_positive(n, "accept", &s->micro.accept));

@@ -45,6 +45,8 @@ static void add_options(gh_json root, const gh_scene *s, const gh_farm *farm) {
   gh_json_text(micro, "engine", s->micro.engine == GH_ENGINE_NATIVE ? "native" : "lammps");
   gh_json_number(micro, "normal_stiffness", s->micro.law.normal_stiffness);
   gh_json_text(micro, "relaxation", gh_relaxation_name(s->micro.relaxation));
+  if (gh_rve_has_branches(&s->micro))
+    gh_json_text(micro, "integration", gh_integration_name(s->micro.integration));
   gh_json_number(micro, "tolerance", s->micro.tolerance);
   gh_json_number(micro, "max_steps", (double)gh_rve_step_limit(&s->micro));
   gh_json_number(micro, "accept", s->micro.accept);
@@ -140,7 +142,8 @@ static void add_summary(gh_json root, const gh_run_summary *m) {
   gh_json_number(farm, "ranks", m->farm.ranks);
   gh_json_number(farm, "evaluations", (double)m->farm.evaluations);
   gh_json_number(farm, "pair_evaluations", (double)m->farm.pairs);
-  gh_json_number(farm, "slip_kept", (double)m->farm.kept);
+  gh_json_number(farm, "ramps", (double)m->farm.ramps);
+  gh_json_number(farm, "ramps_to_rest", (double)m->farm.settled);
   gh_json_number(farm, "accepted", (double)m->farm.accepted);
   gh_json_number(farm, "computed", (double)m->farm.computed);
   gh_json_number(farm, "moved", (double)m->farm.moved);
