@@ -54,7 +54,7 @@ endif
 WARN   := -Wall -Wextra -Wpedantic -Werror
 # All objects serve the shared library too: position-independent code costs nothing here (docs/reports/performance.md).
 PIC    := -fPIC -fno-semantic-interposition
-FLAGS  := $(OPT) -g $(ARCH) -fno-math-errno $(PIC) $(SAN) $(WARN) -Iinclude -Isrc -I$(BUILD) -DGH_BUILD_FLAGS='"$(OPT) $(ARCH) $(SAN)"' $(DEBUGGED)
+FLAGS  := $(OPT) -g $(ARCH) -fno-math-errno -fopenmp-simd $(PIC) $(SAN) $(WARN) -Iinclude -Isrc -I$(BUILD) -DGH_BUILD_FLAGS='"$(OPT) $(ARCH) $(SAN)"' $(DEBUGGED)
 CPPFLAGS_PKG := $(shell $(PKG_CONFIG) --cflags $(PKGS) 2>/dev/null | sed 's/-I/-isystem /g') -isystem /usr/include/suitesparse $(if $(filter 0,$(MPI)),-DGH_NO_MPI)
 MPI_OF_LAMMPS := $(shell $(PKG_CONFIG) --cflags ompi-c 2>/dev/null | sed 's/-I/-isystem /g')
 # LAMMPS's headers: those of the package, or the folder `src` of its sources.

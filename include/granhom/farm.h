@@ -18,6 +18,7 @@ typedef struct gh_point_ops {
   gh_status (*commit)(void *point);
   gh_status (*revert)(void *point);
   void (*destroy)(void *point);
+  gh_status (*keep)(void *point); /* as gh_rve_keep; NULL: there is nothing to keep */
 } gh_point_ops;
 
 /* A farm of n points of any kind; takes the points over (also when it fails). */
@@ -87,13 +88,13 @@ GH_API void gh_rve_cost_add(gh_rve_cost *sum, const gh_rve_cost *more); /* sum +
 typedef struct gh_farm_counts {
   long evaluations, steps, factorisations, pairs; /* of points: evaluations, relaxation steps,
                                                      factorisations, pair evaluations (gh_engine_cost) */
-  long ramps;        /* with friction and free grains (gh_rve_measures) */
-  long settled;      /* of these, to F itself */
-  long accepted;     /* evaluations accepted unconverged (gh_rve_options) */
-  long computed;     /* evaluations done, points that share counted once */
-  long moved;        /* states that went from rank to rank */
-  int ranks, states; /* now: ranks; different converged states */
-  int residents;     /* RVEs kept ready on this rank, of about `bytes` each */
+  long ramps;                                     /* with friction and free grains (gh_rve_measures) */
+  long settled;                                   /* of these, to F itself */
+  long accepted;                                  /* evaluations accepted unconverged (gh_rve_options) */
+  long computed;                                  /* evaluations done, points that share counted once */
+  long moved;                                     /* states that went from rank to rank */
+  int ranks, states;                              /* now: ranks; different converged states */
+  int residents;                                  /* RVEs kept ready on this rank, of about `bytes` each */
   double bytes;
   double busy, longest; /* processor seconds of all evaluations, and of the busiest rank in each: busy over
                            ranks times longest is the efficiency of the distribution */

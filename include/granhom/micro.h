@@ -35,10 +35,10 @@ typedef struct gh_rve_options {
   long max_steps;   /* relaxation steps before GH_DIVERGED; 0: the default */
   double accept; /* when the relaxation steps are spent: unbalanced force on a grain, or moment over radius,
                     up to which the packing is accepted unconverged; 0, the default: none */
-  gh_relaxation relaxation; /* the method of finding equilibrium; default GH_RELAX_POLISHED. The others take
+  gh_relaxation relaxation;   /* the method of finding equilibrium; default GH_RELAX_POLISHED. The others take
                                no Newton step: relaxation alone has to reach the tolerance */
   gh_integration integration; /* of slip; default GH_INTEGRATION_RAMP. Without friction it is nothing */
-  double allow_overlap;     /* of accepted states, see granhom/limits.h: 0, the default: gh_default_limits;
+  double allow_overlap;       /* of accepted states, see granhom/limits.h: 0, the default: gh_default_limits;
                                INFINITY: any; else the largest mean overlap over the mean radius */
 } gh_rve_options;
 GH_API gh_rve_options gh_rve_defaults(void);
@@ -94,7 +94,8 @@ typedef struct gh_rve_cost {
 GH_API gh_status gh_rve_create(gh_context *ctx, const gh_packing *packing, const gh_rve_options *options,
                                gh_rve **rve);
 GH_API void gh_rve_destroy(gh_rve **rve);
-/* Finds the equilibrium at F (row-major, det > 0) from the converged state and makes it the trial state. P
+/* Finds the equilibrium at F (row-major, det > 0) from the converged state, or near a trial state that was kept
+ * (gh_rve_keep), and makes it the trial state. P
  * (5.3-5.6) and, where `want` asks, A (6.3, 6.7, 6.18, 6.19); A may be NULL otherwise. GH_INPUT: det F <= 0
  * or not finite. GH_DIVERGED: no equilibrium within max_steps. */
 GH_API gh_status gh_rve_evaluate(gh_rve *rve, const double F[4], unsigned want, double P[4], double A[16]);
@@ -107,6 +108,10 @@ GH_API gh_status gh_rve_evaluate(gh_rve *rve, const double F[4], unsigned want, 
  * does not fit. */
 GH_API gh_status gh_rve_evaluate_near(gh_rve *rve, const double F[4], const double *near, size_t size,
                                       unsigned want, double P[4], double A[16]);
+/* Keeps the trial state of the last evaluation, until the next commit, revert or load: gh_rve_evaluate then is
+ * gh_rve_evaluate_near with it. For an iteration that has accepted this trial. Where a packing has one
+ * equilibrium (gh_rve_has_branches) it does nothing. */
+GH_API gh_status gh_rve_keep(gh_rve *rve);
 GH_API gh_status gh_rve_commit(
     gh_rve *rve); /* trial state becomes the converged state; without a trial state nothing happens */
 GH_API gh_status gh_rve_revert(gh_rve *rve); /* trial state is dropped */

@@ -84,10 +84,13 @@ static gh_status rve_commit(void *p) {
 static gh_status rve_revert(void *p) {
   return gh_rve_revert(p);
 }
+static gh_status rve_keep(void *p) {
+  return gh_rve_keep(p);
+}
 
 gh_status gh_control_create_rve(gh_context *ctx, gh_rve *rve, const gh_control_options *options,
                                 gh_control **control) {
-  static const gh_point_ops ops = {.evaluate = rve_evaluate, .commit = rve_commit, .revert = rve_revert};
+  static const gh_point_ops ops = {.evaluate = rve_evaluate, .commit = rve_commit, .revert = rve_revert, .keep = rve_keep};
   return gh_control_create(ctx, &ops, rve, options, control);
 }
 
@@ -133,6 +136,11 @@ static gh_status commit(gh_control *c, const point_state *s) {
   GH_TRY(c->ops.commit(c->point));
   c->eq = *s;
   return GH_OK;
+}
+
+/* The iterate that the point has just been evaluated at is accepted: trials near it start there. */
+static gh_status accept(gh_control *c) {
+  return c->ops.keep ? c->ops.keep(c->point) : GH_OK;
 }
 
 /* A trial that fails because of its F is no reason to stop. */
@@ -256,7 +264,7 @@ static gh_status search(gh_control *c, goal *q, const double d[4], bool whole, i
     double missing = measure(c, q, next.F, g);
     if (whole || (isfinite(missing) && missing <= (1 - decrease * step) * first) || is_met(c, q, &next, g)) {
       *now = next;
-      return GH_OK;
+      return accept(c);
     }
     if (!(missing < best_lack)) continue;
     best_lack = missing;
@@ -266,7 +274,8 @@ static gh_status search(gh_control *c, goal *q, const double d[4], bool whole, i
   if (!(best_lack < (1 - 1e-6) * first) || ++*weak > WEAK_STEPS)
     return gh_fail(c->ctx, GH_DIVERGED, "the lack of stress does not fall along Newton's direction");
   *now = best; /* and so that the trial state of the point is this one: */
-  return evaluate(c, now);
+  GH_TRY(evaluate(c, now));
+  return accept(c);
 }
 
 /* An increment in which nothing changes: evaluated all the same, so that the point's measures are those of

@@ -149,6 +149,8 @@ struct gh_rve {
   double *yn;
   double F[4], *y; /* trial state */
   bool trial;
+  double *kept; /* a trial state that was kept; of kept_size numbers, 0: none is */
+  size_t kept_size, kept_capacity;
   double *thetan, *theta;          /* n: rotations of both states; NULL without friction */
   gh_slips history, trial_history; /* with friction */
   gh_base base;                    /* with friction and free grains: what slip counts from ... */
@@ -157,7 +159,7 @@ struct gh_rve {
   double pressuren;                /* mean pressure of the converged state; negative: not known yet */
   gh_friction *sliding;            /* list.friction of a state that a ramp has led to F */
   size_t sliding_capacity;
-  bool begun;                      /* the engine has the converged state */
+  bool begun;          /* the engine has the converged state */
   double shift;        /* of the coupled stiffness in this evaluation: 0 until it has turned out singular */
   double *x, *step;    /* n x 2 work: positions in space of the last evaluation, and of a Newton step */
   double *turn;        /* n work: rotations of a Newton step; NULL without friction */

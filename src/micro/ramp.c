@@ -37,7 +37,8 @@ static const struct ramp_rule {
   double rest;      /* residual at the end of the first ramp */
   long patience;    /* of the last part: steps without half the residual */
   double limit;     /* nearer than this share of the normal force to the Coulomb limit a contact slides */
-} rule = {.last = 0.25, .steps = 800, .least = 32, .most = 20000, .rest = 1e-3, .patience = 1000, .limit = 1e-6};
+} rule = {
+    .last = 0.25, .steps = 800, .least = 32, .most = 20000, .rest = 1e-3, .patience = 1000, .limit = 1e-6};
 
 bool gh_rve_ramps(const gh_rve *r) {
   return gh_rve_friction(r) && r->relaxes && r->options.integration == GH_INTEGRATION_RAMP;
@@ -89,7 +90,8 @@ static long ramp_steps(const gh_rve *r, double length) {
 }
 
 /* The end of a ramp becomes r->base. */
-static gh_status base_take(gh_rve *r, const gh_start *from, const double to[4], const gh_ramp_result *result) {
+static gh_status base_take(gh_rve *r, const gh_start *from, const double to[4],
+                           const gh_ramp_result *result) {
   gh_base *k = &r->base;
   double inverse[4];
   k->dissipated = (r->based ? k->dissipated : r->dissipatedn) + result->dissipated;
@@ -109,13 +111,12 @@ static gh_status base_take(gh_rve *r, const gh_start *from, const double to[4], 
 }
 
 /* From where slip counts from to `to`. */
-static gh_status ramp_follow(gh_rve *r, const gh_start *from, const double to[4], long steps, double tolerance) {
+static gh_status ramp_follow(gh_rve *r, const gh_start *from, const double to[4], long steps,
+                             double tolerance) {
   const double start = gh_seconds();
   double inverse[4];
-  gh_ramp ramp = {.steps = steps,
-                  .tolerance = tolerance,
-                  .max_steps = steps + r->options.max_steps,
-                  .floor = r->floor};
+  gh_ramp ramp = {
+      .steps = steps, .tolerance = tolerance, .max_steps = steps + r->options.max_steps, .floor = r->floor};
   gh_ramp_result result;
   gh_inv2(from->F, inverse);
   gh_mul2(to, inverse, ramp.to);
@@ -127,10 +128,11 @@ static gh_status ramp_follow(gh_rve *r, const gh_start *from, const double to[4]
   GH_TRY(base_take(r, from, to, &result));
   GH_TRY(gh_rve_resume_base(r));
   if (result.relaxed.converged) return GH_OK;
-  return gh_fail(r->ctx, GH_DIVERGED,
-                 "a ramp to F = [%.6g %.6g; %.6g %.6g] does not come to rest within %ld relaxation steps: the "
-                 "largest force is %.3g of the mean contact force, required %.3g",
-                 to[0], to[1], to[2], to[3], r->options.max_steps, result.relaxed.residual, tolerance);
+  return gh_fail(
+      r->ctx, GH_DIVERGED,
+      "a ramp to F = [%.6g %.6g; %.6g %.6g] does not come to rest within %ld relaxation steps: the "
+      "largest force is %.3g of the mean contact force, required %.3g",
+      to[0], to[1], to[2], to[3], r->options.max_steps, result.relaxed.residual, tolerance);
 }
 
 gh_status gh_rve_ramp_to_base(gh_rve *r, gh_start *b) {
@@ -181,7 +183,8 @@ gh_status gh_rve_ramp_to_rest(gh_rve *r) {
   double asked = r->options.tolerance;
   GH_TRY(start_set(r, &from));
   long steps = ramp_steps(r, ramp_length(from.F, r->F));
-  for (int k = 0; k < REPEATS; k++, steps = 0) { /* the engine's residual leaves contacts with own images out */
+  for (int k = 0; k < REPEATS;
+       k++, steps = 0) { /* the engine's residual leaves contacts with own images out */
     GH_TRY(ramp_follow(r, &from, r->F, steps, fmax(asked, gh_rve_target(r))));
     from = base;
     GH_TRY(start_set(r, &from));

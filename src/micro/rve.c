@@ -41,6 +41,7 @@ void gh_rve_destroy(gh_rve **rve) {
                           r->all_held,
                           r->history.slips,
                           r->trial_history.slips,
+                          r->kept,
                           r->base.y,
                           r->base.theta,
                           r->base.slips.slips,
@@ -174,7 +175,7 @@ static gh_status rve_evaluate(gh_rve *r, const double *near, unsigned want, doub
 }
 
 gh_status gh_rve_evaluate(gh_rve *r, const double F[4], unsigned want, double P[4], double A[16]) {
-  return gh_rve_evaluate_near(r, F, NULL, 0, want, P, A);
+  return gh_rve_evaluate_near(r, F, r->kept_size > 0 ? r->kept : NULL, r->kept_size, want, P, A);
 }
 
 gh_status gh_rve_evaluate_near(gh_rve *r, const double F[4], const double *near, size_t size, unsigned want,
@@ -199,6 +200,10 @@ gh_status gh_rve_evaluate_near(gh_rve *r, const double F[4], const double *near,
   memcpy(P, r->m.P, sizeof r->m.P);
   r->trial = true;
   r->m.seconds = gh_seconds() - start;
+  if (getenv("GHTELL"))
+    fprintf(stderr, "EV near %d ramps %d settled %d steps %ld fact %d pol %d res %.2g t %.4f\n", near != NULL,
+            r->m.ramps, r->m.settled, r->m.steps, r->m.factorisations, r->m.polished, r->m.residual,
+            r->m.seconds);
   r->cost.total += r->m.seconds;
   return GH_OK;
 }

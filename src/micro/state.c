@@ -64,7 +64,7 @@ gh_status gh_state_check(const gh_rve *r, const double *state, size_t size) {
 }
 
 /* Trial states are no farther than this from where they help, as a share of their own distance. */
-static const double nearby = 0.1;
+static const double nearby = 0.3;
 
 static double gradient_distance(const double F[4], const double G[4]) {
   return hypot(hypot(F[0] - G[0], F[1] - G[1]), hypot(F[2] - G[2], F[3] - G[3]));
@@ -93,7 +93,16 @@ gh_status gh_state_start(gh_rve *r, const double *near, gh_start *b) {
   return state_has_base(&p) ? state_resume_base(r, p.end) : gh_rve_begin_increment(r);
 }
 
+gh_status gh_rve_keep(gh_rve *r) {
+  const size_t size = gh_rve_trial_size(r);
+  if (!r->trial || !gh_rve_has_branches(&r->options)) return GH_OK;
+  GH_TRY(gh_grow(r->ctx, size, sizeof *r->kept, &r->kept_capacity, &r->kept));
+  r->kept_size = size;
+  return gh_rve_save_trial(r, r->kept);
+}
+
 gh_status gh_rve_commit(gh_rve *r) {
+  r->kept_size = 0;
   if (!r->trial) return GH_OK;
   memcpy(r->Fn, r->F, sizeof r->Fn);
   memcpy(r->yn, r->y, 2 * (size_t)r->n * sizeof(double));
@@ -110,6 +119,7 @@ gh_status gh_rve_commit(gh_rve *r) {
 }
 
 gh_status gh_rve_revert(gh_rve *r) {
+  r->kept_size = 0;
   r->trial = false;
   return GH_OK;
 }
@@ -165,6 +175,7 @@ gh_status gh_rve_load(gh_rve *r, const double *state, size_t size) {
   memcpy(r->yn, p.y, 2 * n * sizeof(double));
   memcpy(r->y, p.y, 2 * n * sizeof(double)); /* where all grains follow F, no evaluation sets it */
   r->trial = r->begun = false;
+  r->kept_size = 0;
   if (!gh_rve_friction(r)) return GH_OK;
   memcpy(r->thetan, p.theta, n * sizeof(double));
   r->dissipatedn = p.numbers[DISSIPATED];

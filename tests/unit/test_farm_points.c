@@ -35,7 +35,7 @@ static void dummy_destroy(void *self) {
 /* A farm hands each point its F, names the one that fails, and frees what it took over, also when it cannot
  * be made. */
 static void a_farm_of_anything(void **state) {
-  static const gh_point_ops ops = {dummy_evaluate, dummy_commit, dummy_revert, dummy_destroy};
+  static const gh_point_ops ops = {dummy_evaluate, dummy_commit, dummy_revert, dummy_destroy, NULL};
   gh_context *ctx = *state;
   int log[3] = {0};
   dummy d = {ctx, log};
@@ -71,7 +71,7 @@ static bool stop_at_three(void *data) {
  * continues
  * . */
 static void a_farm_is_stopped(void **state) {
-  static const gh_point_ops ops = {dummy_evaluate, dummy_commit, dummy_revert, dummy_destroy};
+  static const gh_point_ops ops = {dummy_evaluate, dummy_commit, dummy_revert, dummy_destroy, NULL};
   gh_context *ctx = *state;
   int log[3] = {0}, asked = 0;
   dummy d = {ctx, log};

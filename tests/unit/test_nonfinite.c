@@ -72,7 +72,7 @@ static gh_status point_keep(void *data) {
   return GH_OK;
 }
 
-static const gh_point_ops point_ops = {point_evaluate, point_keep, point_keep, free};
+static const gh_point_ops point_ops = {point_evaluate, point_keep, point_keep, free, NULL};
 
 /* ---- base ---- */
 

@@ -40,10 +40,12 @@ typedef struct parts {
   double *block;  /* PER_BLOCK n: stiffness of each grain alone */
   double *before; /* n: `rolled` when it was last looked for spins */
   double *x0;     /* 2 n: on a ramp, where the pairs were found, moved along */
+  int *i, *j;     /* npairs: grains of each pair */
 } parts;
 
 size_t gh_relax_friction_work(int n, int npairs) {
-  return (GIVEN + EXERTED) * (size_t)npairs + (8 + PER_BLOCK) * (size_t)n;
+  return (GIVEN + EXERTED) * (size_t)npairs + (8 + PER_BLOCK) * (size_t)n +
+         (2 * (size_t)npairs * sizeof(int) + sizeof(double) - 1) / sizeof(double);
 }
 
 static parts divide(const gh_relax_friction *s) {
@@ -57,6 +59,8 @@ static parts divide(const gh_relax_friction *s) {
   w.block = w.old_c + n;
   w.before = w.block + PER_BLOCK * n;
   w.x0 = w.before + n;
+  w.i = (int *)(void *)(w.x0 + 2 * n);
+  w.j = w.i + npairs;
   return w;
 }
 
@@ -73,20 +77,23 @@ static void lay_out(const gh_relax_friction *s, const parts *w) {
     const double all[GIVEN] = {q->shift[0], q->shift[1], q->reach,    m->ln[0],
                                m->ln[1],    m->gamma,    m->gamma_pl, m->alpha};
     for (size_t k = 0; k < GIVEN; k++) w->given[k * n + p] = all[k];
+    w->i[p] = q->i, w->j[p] = q->j;
   }
 }
 
 /* Forces, couples and overlaps of all pairs, without branches so that it vectorises; inlined for one measure
  * of slip at a time, with and without commit. A grain's own image exerts no net force. */
-static inline void pair_forces(const gh_pair *restrict pairs, size_t n, const gh_contact_law law,
-                               bool commits, double *restrict given, const double *restrict x,
-                               const double *restrict rolled, double *restrict out) {
+__attribute__((always_inline)) static inline void
+pair_forces(const int *restrict first, const int *restrict second, size_t n, const gh_contact_law law,
+            bool commits, double *restrict given, const double *restrict x, const double *restrict rolled,
+            double *restrict out) {
+#pragma omp simd
   for (size_t p = 0; p < n; p++) {
-    const int i = pairs[p].i, j = pairs[p].j;
-    const double l[2] = {x[2 * j] - x[2 * i] + given[SHIFT_X * n + p],
-                         x[2 * j + 1] - x[2 * i + 1] + given[SHIFT_Y * n + p]};
-    const gh_coulomb_step s = {.l = {l[0], l[1]},
-                               .d = sqrt(l[0] * l[0] + l[1] * l[1]),
+    const int i = first[p], j = second[p];
+    const double lx = x[2 * j] - x[2 * i] + given[SHIFT_X * n + p],
+                 ly = x[2 * j + 1] - x[2 * i + 1] + given[SHIFT_Y * n + p];
+    const gh_coulomb_step s = {.l = {lx, ly},
+                               .d = sqrt(lx * lx + ly * ly),
                                .reach = given[REACH * n + p],
                                .ln = {given[LN_X * n + p], given[LN_Y * n + p]},
                                .q = rolled[i] + rolled[j],
@@ -102,28 +109,37 @@ static inline void pair_forces(const gh_pair *restrict pairs, size_t n, const gh
     out[OVERLAP * n + p] = e;
     if (!commits) continue;
     out[DISSIPATED * n + p] = touch * r.multiplier * law.normal_stiffness * law.friction_coefficient * e;
-    given[LN_X * n + p] = l[0];
-    given[LN_Y * n + p] = l[1];
+    given[LN_X * n + p] = lx;
+    given[LN_Y * n + p] = ly;
     given[GAMMA * n + p] = touch * r.gamma; /* a contact that opens loses its slip, not its hardening */
     given[GAMMA_PL * n + p] = touch * r.gamma_pl;
     given[ALPHA * n + p] = e >= 0 ? r.alpha : s.alpha;
   }
 }
 
-static void pairs_by_measure(const gh_relax_friction *s, const parts *w, gh_slip_measure slip) {
-  const gh_relax_state *g = &s->grains;
+/* One loop for each, so that the measure of slip and the commit are constants in it. */
+static void projected_forces(const gh_relax_friction *s, const parts *w) {
   gh_contact_law law = *s->law;
-  law.slip = slip;
-  if (s->ramp) pair_forces(g->pairs, (size_t)g->npairs, law, true, w->given, g->x, w->rolled, w->pair);
-  else pair_forces(g->pairs, (size_t)g->npairs, law, false, w->given, g->x, w->rolled, w->pair);
+  law.slip = GH_SLIP_PROJECTED;
+  pair_forces(w->i, w->j, (size_t)s->grains.npairs, law, false, w->given, s->grains.x, w->rolled, w->pair);
 }
 
-static void projected_forces(const gh_relax_friction *s, const parts *w) {
-  pairs_by_measure(s, w, GH_SLIP_PROJECTED);
+static void projected_commit(const gh_relax_friction *s, const parts *w) {
+  gh_contact_law law = *s->law;
+  law.slip = GH_SLIP_PROJECTED;
+  pair_forces(w->i, w->j, (size_t)s->grains.npairs, law, true, w->given, s->grains.x, w->rolled, w->pair);
 }
 
 static void objective_forces(const gh_relax_friction *s, const parts *w) {
-  pairs_by_measure(s, w, GH_SLIP_OBJECTIVE);
+  gh_contact_law law = *s->law;
+  law.slip = GH_SLIP_OBJECTIVE;
+  pair_forces(w->i, w->j, (size_t)s->grains.npairs, law, false, w->given, s->grains.x, w->rolled, w->pair);
+}
+
+static void objective_commit(const gh_relax_friction *s, const parts *w) {
+  gh_contact_law law = *s->law;
+  law.slip = GH_SLIP_OBJECTIVE;
+  pair_forces(w->i, w->j, (size_t)s->grains.npairs, law, true, w->given, s->grains.x, w->rolled, w->pair);
 }
 
 /* Adds forces and couples of the pairs to the grains; returns the mean overlap. Pairs are sorted by i: that
@@ -171,8 +187,8 @@ static double forces(gh_relax_friction *s, const parts *w, double *mean_force) {
   const gh_relax_state *g = &s->grains;
   const bool turns = !s->law->fixed_rotations;
   for (int i = 0; i < g->n; i++) w->rolled[i] = turns ? s->radius[i] * (s->theta[i] - s->theta_n[i]) : 0;
-  if (s->law->slip == GH_SLIP_OBJECTIVE) objective_forces(s, w);
-  else projected_forces(s, w);
+  if (s->law->slip == GH_SLIP_OBJECTIVE) (s->ramp ? objective_commit : objective_forces)(s, w);
+  else (s->ramp ? projected_commit : projected_forces)(s, w);
   if (s->ramp) ramp_commit(s, w);
   *mean_force = s->law->normal_stiffness * gather(s, w->pair, w->couple);
   double largest = 0, all = 0;
