@@ -82,7 +82,7 @@ static const material plain = {0};
 /* A block 4 x 2 of 8 x 4 elements on a rough plate; the left and right sides of its top are no part of the
  * footing when `narrow`: then the set "top" is cut down to its inner five nodes. */
 static inline void make(problem *p, gh_context *ctx, const material *m, bool narrow) {
-  static const gh_point_ops ops = {evaluate, commit, revert, free};
+  static const gh_point_ops ops = {evaluate, commit, revert, free, NULL};
   const double low[2] = {-2, 0}, size[2] = {4, 2};
   const int elements[2] = {8, 4};
   *p = (problem){.ctx = ctx};

@@ -121,7 +121,7 @@ static inline void watch(void *data, const gh_macro_iteration *it) {
 }
 
 static inline void make_farm(problem *p, const material *m) {
-  static const gh_point_ops ops = {evaluate, commit, revert, free};
+  static const gh_point_ops ops = {evaluate, commit, revert, free, NULL};
   int n = 4 * p->mesh->nelements;
   p->points = calloc((size_t)n, sizeof *p->points);
   assert_non_null(p->points);

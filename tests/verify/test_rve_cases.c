@@ -120,6 +120,7 @@ static void case_is_met(void **state) {
   OK(gh_packing_read(ctx, path, &packing));
   gh_rve_options o = gh_rve_defaults();
   o.boundary = c->boundary, o.engine = c->engine, o.law.normal_stiffness = 1000, o.tolerance = 1e-11;
+  o.integration = GH_INTEGRATION_WHOLE; /* the law that the cases were made with */
   if (c->friction_angle > 0) {
     o.law.friction = 1, o.law.tangential_stiffness = 1000, o.law.hardening = c->hardening;
     o.law.friction_coefficient = tan(c->friction_angle * acos(-1) / 180);
