@@ -173,7 +173,7 @@ $(BUILD)/tests/unit/test_lean: LDFLAGS += $(COUNTED:%=-Wl,--wrap=%)
 # The styles for LAMMPS's own program: what they need of this library, and no more. With the package's headers for the package's
 # library, so that it can be preloaded (programs that lmp starts see it too); with other headers for the LAMMPS that loads it.
 PLUGIN := $(BUILD)/granhomplugin.so
-PLUGIN_SRC := $(filter-out %/bridge.c %/bridge_frame.c %/bridge_contacts.c %/guard.cpp %/interpose.cpp %/interpose_programs.cpp %/rebind.cpp %/module.c,$(MODULE_SRC)) \
+PLUGIN_SRC := $(filter-out %/bridge.c %/bridge_frame.c %/bridge_contacts.c %/bridge_put.c %/bridge_ramp.c %/guard.cpp %/interpose.cpp %/interpose_programs.cpp %/rebind.cpp %/module.c,$(MODULE_SRC)) \
   $(filter src/engine/relax/%,$(SRC))
 $(PLUGIN): $(PLUGIN_SRC:%=$(BUILD)/%.o) scripts/granhomplugin.map
 	@echo "  LD   $@"

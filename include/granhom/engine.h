@@ -96,6 +96,7 @@ typedef struct gh_ramp {
 
 typedef struct gh_ramp_result {
   gh_relax_result relaxed;
+  long done;            /* steps of the ramp that were made: all, but where max_steps ended it before */
   double dissipated;    /* by friction on the way */
   const gh_slip *slips; /* what was committed, as in gh_converged; the engine's, until its next call */
   int nslips;

@@ -14,6 +14,7 @@ struct gh_engine {
   int n;
   bool periodic, friction, begun;
   double reach, area; /* twice the largest radius; sum of the areas of the grains */
+  double cell[4];     /* now; of a periodic packing */
 };
 
 /* Squares of forces must be numbers still, for whatever lengths. */
@@ -236,6 +237,7 @@ gh_status gh_engine_set(gh_engine *e, const double cell[4], const double *x, con
   if (e->periodic) GH_TRY(check_cell(e, cell));
   GH_TRY(check_positions(e, x));
   GH_TRY(check_rotations(e, theta));
+  if (e->periodic) memcpy(e->cell, cell, sizeof e->cell);
   return e->ops->set(e->self, cell, x, theta);
 }
 
@@ -253,20 +255,58 @@ gh_status gh_engine_relax(gh_engine *e, const gh_relax_options *options, gh_rela
   return GH_OK;
 }
 
-gh_status gh_engine_ramp(gh_engine *e, const gh_ramp *ramp, gh_ramp_result *result) {
-  if (!e->friction || !e->begun)
-    return gh_fail(e->ctx, GH_ENGINE, "a ramp needs friction and a converged state (gh_engine_begin)");
-  if (!gh_finite(ramp->to, 4) || !(gh_det2(ramp->to) > 0) || ramp->steps < 0 ||
-      ramp->max_steps <= ramp->steps)
+/* The gradient at this share of the ramp, and the cell there. */
+static void ramp_at(const gh_engine *e, const gh_ramp *ramp, double share, double G[4], double cell[4]) {
+  for (int k = 0; k < 4; k++) {
+    const double one = k == 0 || k == 3 ? 1 : 0;
+    G[k] = share < 1 ? one + share * (ramp->to[k] - one) : ramp->to[k];
+  }
+  gh_mul2(G, e->cell, cell);
+}
+
+/* The share of the ramp at which the determinant, 1 + s tr A + s^2 det A with A = to - 1, is least. */
+static double ramp_thinnest(const gh_ramp *ramp) {
+  const double A[4] = {ramp->to[0] - 1, ramp->to[1], ramp->to[2], ramp->to[3] - 1}, det = gh_det2(A),
+               share = -(A[0] + A[3]) / (2 * det);
+  return det > 0 && share > 0 && share < 1 ? share : 1;
+}
+
+static gh_status check_ramp(const gh_engine *e, const gh_ramp *ramp) {
+  const double *to = ramp->to;
+  if (!gh_finite(to, 4) || !(gh_det2(to) > 0) || ramp->steps < 0 || ramp->max_steps <= ramp->steps)
     return gh_fail(
         e->ctx, GH_INPUT,
         "a ramp to [%g %g; %g %g] in %ld of %ld steps: the determinant must be positive, and steps "
         "must be left to come to rest",
-        ramp->to[0], ramp->to[1], ramp->to[2], ramp->to[3], ramp->steps, ramp->max_steps);
+        to[0], to[1], to[2], to[3], ramp->steps, ramp->max_steps);
+  double off = 0; /* who divides one gradient by another has rounding in it */
+  for (int k = 0; k < 4; k++) off = fmax(off, fabs(to[k] - (k == 0 || k == 3 ? 1 : 0)));
+  if (ramp->steps == 0 && off > 1e-12)
+    return gh_fail(e->ctx, GH_INPUT, "a ramp to [%g %g; %g %g] needs steps in which it is reached", to[0],
+                   to[1], to[2], to[3]);
+  const double shares[2] = {ramp_thinnest(ramp), 1};
+  for (int k = 0; k < 2; k++) {
+    double G[4], cell[4];
+    ramp_at(e, ramp, shares[k], G, cell);
+    if (!(gh_det2(G) > 0))
+      return gh_fail(e->ctx, GH_INPUT,
+                     "a ramp to [%g %g; %g %g]: the determinant is %g on the way, and must be positive",
+                     to[0], to[1], to[2], to[3], gh_det2(G));
+    if (e->periodic) GH_TRY(check_cell(e, cell));
+  }
+  return GH_OK;
+}
+
+gh_status gh_engine_ramp(gh_engine *e, const gh_ramp *ramp, gh_ramp_result *result) {
+  if (!e->friction || !e->begun)
+    return gh_fail(e->ctx, GH_ENGINE, "a ramp needs friction and a converged state (gh_engine_begin)");
+  GH_TRY(check_ramp(e, ramp));
   GH_TRY(e->ops->ramp(e->self, ramp, result));
   if (!isfinite(result->relaxed.residual) || !isfinite(result->relaxed.mean_force))
     return gh_fail(e->ctx, GH_DIVERGED,
                    "relaxation gave a residual that is not finite (two grains at one place?)");
+  double G[4];
+  ramp_at(e, ramp, ramp->steps ? (double)result->done / (double)ramp->steps : 1, G, e->cell);
   return GH_OK;
 }
 

@@ -42,7 +42,8 @@ typedef struct bridge {
   double *theta;         /* n: rotations as set or moved */
   double *frame_n;       /* n x 2: x_n as LAMMPS is to know it */
   double *moment;
-  gh_slip *slips, *keyed; /* nslips: as given, with LAMMPS's keys */
+  double *velocity, *spin; /* n x 2, n: on a ramp */
+  gh_slip *slips, *keyed;  /* nslips: as given, with LAMMPS's keys */
   gh_friction *friction;
   int *image; /* scratch: 2 per row */
   int nslips;
@@ -75,6 +76,17 @@ void bridge_lattice_n(const bridge *e, double H[4]);
 gh_status bridge_check_valid(const bridge *e);
 /* Positions now, unwrapped, in the frame of space. Fixed grains are where they were put, to the last bit. */
 gh_status bridge_read_positions(bridge *e);
+
+/* ---- bridge_put.c ---- */
+
+/* LAMMPS evaluates the packing at e->cell, e->given and e->theta with state n. */
+gh_status bridge_put(bridge *e);
+/* The same where only e->given and e->theta have changed, by little. */
+gh_status bridge_put_moved(bridge *e);
+
+/* ---- bridge_ramp.c ---- */
+
+gh_status bridge_ramp(void *self, const gh_ramp *ramp, gh_ramp_result *result);
 
 /* ---- bridge_contacts.c ---- */
 

@@ -47,7 +47,6 @@ void bridge_decode_image(int image, double k[2]) {
   k[1] = ((image >> 10) & 1023) - 512;
 }
 
-/* Writes the given positions, wrapped again from them alone. */
 /* ---- images of state n ---- */
 
 /* Image between positions as given, in the basis of the cell, from LAMMPS's and back. */

@@ -41,8 +41,9 @@ FixRelax::FixRelax(LAMMPS *l, int narg, char **arg)
     : Fix(l, narg, arg), tolerance(1e-8), floor_force(0), max_steps(LONG_MAX), inner(false), by_fire(false),
       driven(false), cluster(false), active(true), forced(false), pair(nullptr), coulomb(nullptr),
       history(nullptr), turns(false), ended(RUNNING), fresh(true), damping(0), fire(), watched(),
-      first_least(0), residual(0), mean_force(0), steps(0), rebuilds(0), builds_at_start(0), evaluated(0),
-      listed(0), listed_at(-1), ended_at(-1), dt(0), vf(0), ff(0), vv(0), vf_before(0), compare(false) {
+      first_least(0), patience(0), residual(0), mean_force(0), steps(0), rebuilds(0), builds_at_start(0),
+      evaluated(0), listed(0), listed_at(-1), ended_at(-1), dt(0), vf(0), ff(0), vv(0), vf_before(0),
+      compare(false) {
   parse(narg, arg);
   time_integrate = 1;
   vector_flag = 1;
@@ -140,6 +141,7 @@ void FixRelax::begin() {
   residual = mean_force = damping = vf = ff = vv = vf_before = 0;
   watched = gh_relax_watch();
   watched.least = first_least;
+  watched.patience = patience;
   builds_at_start = pair->builds;
   ended = RUNNING;
   ended_at = -1;
@@ -410,5 +412,6 @@ double FixRelax::memory_usage() {
   for (const auto *a : {&block, &X, &V, &F, &X0, &work, &R, &T, &Tn, &W, &M}) doubles += a->capacity();
   return (double)(doubles * sizeof(double) + pairs.capacity() * sizeof(gh_pair) +
                   memory.capacity() * sizeof(gh_pair_memory) + candidates.capacity() * sizeof(Candidate) +
+                  committed.capacity() * sizeof(gh_slip) +
                   (order.capacity() + rank.capacity()) * sizeof(int) + held.capacity());
 }

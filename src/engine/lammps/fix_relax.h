@@ -55,6 +55,8 @@ public:
   long pairs_on_list();
   /* Of the last relaxation. */
   void tell(guard_relaxed *r) const;
+  /* Between time steps, with friction: see guard_ramp. */
+  void ramp(const gh_ramp &o, gh_relax_friction *s, gh_relax_result *r, guard_ramped *list);
 
 private:
   enum state { RUNNING, CONVERGED, UNJAMMED, SPENT };
@@ -75,6 +77,7 @@ private:
   gh_fire fire;           /* the same, of FIRE */
   gh_relax_watch watched; /* the same, with friction */
   double first_least;     /* least damping to begin with */
+  long patience;          /* gh_relax_options */
   double residual, mean_force;
   long steps, rebuilds, builds_at_start;
   long evaluated, listed, listed_at; /* pairs; listed: of the list number listed_at */
@@ -89,6 +92,7 @@ private:
   struct Candidate {
     gh_pair pair;
     gh_pair_memory memory;
+    int k[2]; /* image of the pair, between unwrapped positions */
   };
   std::vector<Candidate> candidates;
 
@@ -99,6 +103,7 @@ private:
   std::vector<double> X, V, F, X0, work;
   std::vector<gh_pair_memory> memory;
   std::vector<double> R, T, Tn, W, M; /* radii, rotations now and at n, their velocities, moments */
+  std::vector<gh_slip> committed;     /* on a ramp */
 
   void begin();
   void parse(int narg, char **arg);
@@ -118,6 +123,7 @@ private:
   void count_pairs();
   void add_pair(int i, int j);
   void split_candidates();
+  void note_committed();
   gh_relax_end kernel(gh_relax_state *s);
   gh_relax_end kernel_with_friction(gh_relax_state *s);
   void run_kernel();

@@ -99,6 +99,7 @@ void FixRelax::relax_next(const gh_relax_options &o) {
   max_steps = o.max_steps;
   by_fire = o.method == GH_RELAX_FIRE;
   first_least = o.least_damping;
+  patience = o.patience;
   active = fresh = true;
   ended = RUNNING;
 }

@@ -91,7 +91,8 @@ void FixRelax::add_pair(int i, int j) {
     m.gamma_pl = at_n.gamma_pl;
     m.alpha = at_n.alpha;
   }
-  candidates.push_back({p, m});
+  const int side = swap ? -1 : 1;
+  candidates.push_back({p, m, {side * k[0], side * k[1]}});
 }
 
 static bool in_order(const gh_pair &a, const gh_pair &b) {

@@ -305,6 +305,14 @@ gh_status guard_relax(gh_context *ctx, void *lmp, const char *id, const gh_relax
   });
 }
 
+gh_status guard_ramp(gh_context *ctx, void *lmp, const char *id, const gh_ramp *ramp, gh_relax_friction *s,
+                     gh_relax_result *r, guard_ramped *list) {
+  return with_fix(ctx, lmp, id, [&](granhom::FixRelax *fix) {
+    fix->ramp(*ramp, s, r, list);
+    return GH_OK;
+  });
+}
+
 gh_status guard_builds(gh_context *ctx, void *lmp, const char *id, long *builds) {
   return with_fix(ctx, lmp, id, [&](granhom::FixRelax *fix) {
     *builds = fix->builds();

@@ -6,6 +6,7 @@
 #ifndef GRANHOM_LAMMPS_GUARD_H
 #define GRANHOM_LAMMPS_GUARD_H
 
+#include "engine/relax/relax_friction.h"
 #include "granhom/engine.h"
 #include "granhom/lammps.h"
 
@@ -50,6 +51,18 @@ typedef struct guard_relaxed {
 /* Relaxes until the residual is met, or the steps or all contacts are gone (gh_relax_options). */
 gh_status guard_relax(gh_context *ctx, void *lmp, const char *id, const gh_relax_options *options,
                       guard_relaxed *result);
+typedef struct guard_ramped {
+  gh_relax_end end;
+  long pairs;           /* evaluated, summed over the steps */
+  const gh_slip *slips; /* committed, with images as in guard_history, by (i, j); until the next call */
+  int nslips;
+} guard_ramped;
+/* Leads the packing along a ramp with friction from LAMMPS's positions and rotations, to the end of the ramp
+ * or of LAMMPS's list. `s` has the ramp in LAMMPS's frame and all arrays of grains, by id - 1; x and theta are
+ * filled here, and so are pairs, memory, x0, slack and work. LAMMPS itself stays as it is. Steps are added to
+ * those of *r. */
+gh_status guard_ramp(gh_context *ctx, void *lmp, const char *id, const gh_ramp *ramp, gh_relax_friction *s,
+                     gh_relax_result *r, guard_ramped *list);
 /* ---- driving pair style granhom/coulomb, from the first run on; arrays by id - 1 ---- */
 
 /* State n: lattice H (columns), unwrapped positions (n x 2), rotations, and the history of the contacts with

@@ -216,10 +216,11 @@ static gh_status native_ramp(void *self, const gh_ramp *o, gh_ramp_result *resul
     end = gh_relax_friction_run(&f, o->tolerance, o->floor, o->max_steps - r->steps, &r->residual,
                                 &r->mean_force, &r->steps);
     e->cost.pairs += (r->steps - before) * (long)e->nb.npairs;
-    GH_TRY(native_follow_ramp(e, &ramp, from));
+    if (isfinite(r->residual)) GH_TRY(native_follow_ramp(e, &ramp, from)); /* else gh_engine_ramp refuses */
   }
   r->converged = end == GH_RELAX_CONVERGED || end == GH_RELAX_UNJAMMED;
   r->least_damping = f.watch.least;
+  result->done = ramp.done;
   result->dissipated = ramp.dissipated;
   result->slips = e->history.slips, result->nslips = (int)e->history.nslips;
   e->cost.steps += r->steps;

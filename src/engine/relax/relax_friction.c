@@ -264,17 +264,20 @@ static void add_block(double *k, double free, double turns, const double n[2], d
  * of grain i plus a part of grain j. As (a + b)^2 <= 2 a^2 + 2 b^2, the whole form is at most twice the sum
  * of the forms in which one grain moves alone, which is twice the sum of the grains' own blocks: twice the
  * largest eigenvalue of a block bounds all. For a grain and its own image a = b: that is an equality. Pairs
- * that nearly touch count too: they may touch before the next bound. */
-static double time_step(const gh_relax_friction *s, double *block) {
+ * that nearly touch count too: they may touch before the next bound. On a ramp images have moved since the list
+ * was made. */
+static double time_step(const gh_relax_friction *s, const parts *w) {
   const gh_relax_state *g = &s->grains;
+  const size_t pairs = (size_t)g->npairs;
+  double *block = w->block;
   const double turns = s->law->fixed_rotations ? 0 : 1;
   double along, across;
   gh_relax_friction_bound(s->law, &along, &across);
   memset(block, 0, PER_BLOCK * (size_t)g->n * sizeof *block);
-  for (int p = 0; p < g->npairs; p++) {
+  for (size_t p = 0; p < pairs; p++) {
     const gh_pair *q = &g->pairs[p];
-    double n[2] = {g->x[2 * q->j] - g->x[2 * q->i] + q->shift[0],
-                   g->x[2 * q->j + 1] - g->x[2 * q->i + 1] + q->shift[1]};
+    double n[2] = {g->x[2 * q->j] - g->x[2 * q->i] + w->given[SHIFT_X * pairs + p],
+                   g->x[2 * q->j + 1] - g->x[2 * q->i + 1] + w->given[SHIFT_Y * pairs + p]};
     const double d2 = n[0] * n[0] + n[1] * n[1];
     if (d2 > 1.01 * q->reach * q->reach) continue;
     for (int k = 0; k < 2; k++) n[k] /= sqrt(d2);
@@ -288,7 +291,8 @@ static double time_step(const gh_relax_friction *s, double *block) {
 }
 
 double gh_relax_friction_safe_step(const gh_relax_friction *s) {
-  return time_step(s, divide(s).block);
+  const parts w = divide(s);
+  return time_step(s, &w);
 }
 
 /* One step of what may move, with the damping `c`; returns the square of the largest distance from x0. No rim
@@ -421,7 +425,8 @@ static bool ramp_is_over(const gh_relax_friction *s) {
   return !s->ramp || s->ramp->done >= s->ramp->steps;
 }
 
-/* The list is made for positions, and images, that the ramp leaves: `reach` is that of the largest pair. */
+/* The list is made for positions, and images, that the ramp leaves: `reach` is that of the largest grains, whose
+ * pair need not be on it. */
 typedef struct ramp_list {
   double from[4], reach;
 } ramp_list;
@@ -430,7 +435,7 @@ static ramp_list ramp_begin(gh_relax_friction *s, const parts *w) {
   gh_relax_state *g = &s->grains;
   ramp_list list = {.reach = 0};
   if (!s->ramp) return list;
-  for (int p = 0; p < g->npairs; p++) list.reach = fmax(list.reach, g->pairs[p].reach);
+  for (int i = 0; i < g->n; i++) list.reach = fmax(list.reach, 2 * s->radius[i]);
   gh_relax_ramp_gradient(s->ramp, list.from);
   memcpy(w->x0, g->x0, 2 * (size_t)g->n * sizeof(double));
   g->x0 = w->x0;
@@ -508,7 +513,7 @@ static bool step(gh_relax_friction *s, const parts *w, const ramp_list *list, do
   const double far = advance(s, w->couple, g->damping, dt);
   if (!ramp_is_over(s)) ramp_advance(s, w);
   const double slack = ramp_slack(s, list);
-  return far > slack * slack;
+  return slack == 0 || far > slack * slack; /* fixed grains go nowhere: the strain alone ends the list */
 }
 
 gh_relax_end gh_relax_friction_run(gh_relax_friction *s, double tolerance, double floor, long max_steps,
@@ -535,7 +540,7 @@ gh_relax_end gh_relax_friction_run(gh_relax_friction *s, double tolerance, doubl
     if (ramp_is_over(s) && *mean_force <= floor) return *residual = 0, ramp_end(s, &w, GH_RELAX_UNJAMMED);
     if (ramp_is_over(s) && *residual <= tolerance) return ramp_end(s, &w, GH_RELAX_CONVERGED);
     if (k + 1 >= max_steps) return ramp_end(s, &w, GH_RELAX_STEPS);
-    if (stale || k % BOUND_EVERY == 0) dt = time_step(s, w.block);
+    if (stale || k % BOUND_EVERY == 0) dt = time_step(s, &w);
     if (stalls(s, &w, k, *residual, mean_force)) return ramp_end(s, &w, GH_RELAX_STEPS);
     far = step(s, &w, &list, dt);
   }
