@@ -67,7 +67,9 @@ static void history_put_apart(gh_slip *to, size_t *count, const gh_slip *old) {
 
 gh_status gh_history_store(gh_context *ctx, gh_history *h, const gh_neighbours *nb, int n, const double *x,
                            const double cell[4]) {
-  GH_TRY(gh_grow(ctx, nb->npairs + h->nslips + 1, sizeof(gh_slip), &h->spare_capacity, &h->spare));
+  const size_t most = nb->npairs + h->nslips + 1; /* the two change places: both must be large enough */
+  GH_TRY(gh_grow(ctx, most, sizeof(gh_slip), &h->spare_capacity, &h->spare));
+  GH_TRY(gh_grow(ctx, most, sizeof(gh_slip), &h->slip_capacity, &h->slips));
   size_t s = 0, count = 0;
   for (size_t p = 0; p < nb->npairs; p++) { /* both are sorted alike */
     const gh_pair *q = &nb->pairs[p];
