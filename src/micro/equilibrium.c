@@ -24,8 +24,8 @@ static long relaxation_portion(const gh_rve *r) {
 
 /* In a limit cycle, or slow: slip of an increment depends on its end alone, so that a limit cycle gives back
  * what it has dissipated, which grains in motion do not. A ramp has none. */
-static gh_status limit_cycle_end(gh_rve *r, double tolerance) {
-  if (gh_rve_patience(r) > 0) return gh_rve_ramp_to_rest(r);
+static gh_status limit_cycle_end(gh_rve *r, double tolerance, long *left) {
+  if (gh_rve_patience(r) > 0) return *left > 0 ? gh_rve_ramp_to_rest(r, left) : GH_OK;
   if (r->m.residual <= near && relaxation_has_finish(r)) return gh_rve_leave_limit_cycle(r, tolerance);
   return GH_OK;
 }
@@ -53,7 +53,7 @@ static gh_status residual_relax(gh_rve *r, double tolerance, long *left) {
     r->cost.relax += gh_seconds() - start;
     GH_TRY(gh_rve_update_contacts(r));
     if (gh_rve_friction(r) && !result.converged)
-      GH_TRY(limit_cycle_end(r, fmax(tolerance, gh_rve_target(r))));
+      GH_TRY(limit_cycle_end(r, fmax(tolerance, gh_rve_target(r)), left));
     if (r->m.residual <= fmax(tolerance, gh_rve_target(r))) return GH_OK;
     r->m.accepted = *left <= 0 && (r->m.residual * r->m.mean_force <= r->options.accept ||
                                    r->m.residual <= r->accept_within * fmax(tolerance, gh_rve_target(r)));

@@ -228,9 +228,10 @@ gh_status gh_rve_find_pressure(gh_rve *rve);
 /* A ramp from the converged state to the start of the last part of the increment, where the increment is longer
  * than that; *start becomes its end, which slip counts from. */
 gh_status gh_rve_ramp_to_base(gh_rve *rve, gh_start *start);
-/* A ramp to F itself, to rest within the tolerance, where the last part has no equilibrium. Contacts are
+/* A ramp to F itself, to rest within the tolerance, where the last part has no equilibrium, but for the steps
+ * that are *left, from which those that it takes are taken. Contacts are
  * current; those on the Coulomb limit slide in the tangent. */
-gh_status gh_rve_ramp_to_rest(gh_rve *rve);
+gh_status gh_rve_ramp_to_rest(gh_rve *rve, long *left);
 /* Steps without half the residual after which the last part counts as without equilibrium; 0: it may take all. */
 long gh_rve_patience(const gh_rve *rve);
 
