@@ -155,7 +155,6 @@ GH_API gh_status gh_checkpoint_read(gh_results *r);
 
 /* Datasets that count into the checkpoint's checksum. Sizes are those of the file when it is read; the caller
  * frees. GH_INPUT: it is not there, of another shape or larger than the file. */
-GH_API gh_context *gh_archive_context(const gh_archive *a);
 GH_API gh_status gh_archive_put_doubles(gh_archive *a, const char *name, size_t n, const double *data);
 GH_API gh_status gh_archive_put_ints(gh_archive *a, const char *name, size_t n, const int *data);
 GH_API gh_status gh_archive_put_bytes(gh_archive *a, const char *name, size_t size, const void *data);

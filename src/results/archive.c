@@ -25,10 +25,6 @@ void gh_sum_text(uint64_t sum, char text[GH_SUM_TEXT]) {
   snprintf(text, GH_SUM_TEXT, "%016" PRIx64, sum);
 }
 
-gh_context *gh_archive_context(const gh_archive *a) {
-  return a->ctx;
-}
-
 gh_status gh_archive_put_doubles(gh_archive *a, const char *name, size_t n, const double *data) {
   a->sum = gh_sum_bytes(gh_sum_bytes(a->sum, &n, sizeof n), data, n * sizeof *data);
   return gh_h5_put_doubles(a->file, name, n, 1, data);

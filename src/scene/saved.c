@@ -179,7 +179,7 @@ static gh_status position_get(gh_archive *a, const gh_scene *s, scene_loaded *c)
   return GH_OK;
 }
 
-static gh_status farm_get(gh_archive *a, const char *folder, gh_farm_image *f) {
+static gh_status farm_get(gh_context *ctx, gh_archive *a, const char *folder, gh_farm_image *f) {
   char name[64];
   size_t n, starts, nmeasure, ndata;
   double *start = NULL;
@@ -188,7 +188,7 @@ static gh_status farm_get(gh_archive *a, const char *folder, gh_farm_image *f) {
   GH_TRY_OR(gh_archive_get_doubles(a, name_join(name, folder, "start"), &starts, &start), done);
   GH_TRY_OR(gh_archive_get_doubles(a, name_join(name, folder, "data"), &ndata, &f->data), done);
   GH_TRY_OR(gh_archive_get_doubles(a, name_join(name, folder, "measure"), &nmeasure, &f->measure), done);
-  GH_TRY_OR(gh_alloc(gh_archive_context(a), starts + 1, sizeof *f->start, &f->start), done);
+  GH_TRY_OR(gh_alloc(ctx, starts + 1, sizeof *f->start, &f->start), done);
   bool fits = starts >= 1;
   for (size_t k = 0; k < starts; k++) {
     fits = fits && start[k] >= (k ? start[k - 1] : 0) && start[k] <= (double)ndata;
@@ -198,13 +198,13 @@ static gh_status farm_get(gh_archive *a, const char *folder, gh_farm_image *f) {
   f->nstates = (int)starts - 1;
   f->nwords = n > 0 ? (int)(nmeasure / n) : 0;
   if (n < 1 || !fits || f->start[starts - 1] != ndata || nmeasure != n * (size_t)f->nwords)
-    status = gh_fail(gh_archive_context(a), GH_INPUT, "the lists in %s do not fit each other", folder);
+    status = gh_fail(ctx, GH_INPUT, "the lists in %s do not fit each other", folder);
 done:
   free(start);
   return status;
 }
 
-static gh_status whole_get(gh_archive *a, scene_loaded *c) {
+static gh_status whole_get(gh_context *ctx, gh_archive *a, scene_loaded *c) {
   size_t n;
   int *apart = NULL;
   gh_status status = gh_archive_get_ints(a, "/whole/apart", &n, &apart);
@@ -212,7 +212,7 @@ static gh_status whole_get(gh_archive *a, scene_loaded *c) {
   free(apart);
   if (!c->apart) return status;
   GH_TRY(gh_archive_get_doubles(a, "/whole/macro", &c->whole_size, &c->whole_macro));
-  return farm_get(a, "/whole/farm", &c->whole_farm);
+  return farm_get(ctx, a, "/whole/farm", &c->whole_farm);
 }
 
 gh_status scene_load(void *data, gh_archive *a) {
@@ -223,8 +223,8 @@ gh_status scene_load(void *data, gh_archive *a) {
   GH_TRY(gh_alloc(o->ctx, (size_t)o->scene->nsteps + 1, sizeof *c->begin_u, &c->begin_u));
   GH_TRY(position_get(a, o->scene, c));
   GH_TRY(gh_archive_get_doubles(a, "/macro", &c->macro_size, &c->macro));
-  GH_TRY(farm_get(a, "/farm", &c->farm));
-  return o->scene->estimate ? whole_get(a, c) : GH_OK;
+  GH_TRY(farm_get(o->ctx, a, "/farm", &c->farm));
+  return o->scene->estimate ? whole_get(o->ctx, a, c) : GH_OK;
 }
 
 static void position_use(scene_loaded *c, scene_position *p) {
