@@ -141,14 +141,20 @@ gh_status gh_results_close(gh_results *r, const char *state, const char *message
   return record_write(r, state, message, true);
 }
 
+size_t results_field_rows(const gh_results *r, const gh_field *field) {
+  const gh_mesh *m = r->solver->mesh;
+  return (size_t)(field->place == GH_AT_NODES   ? m->nnodes
+                  : field->place == GH_AT_CELLS ? m->nelements
+                                                : r->points);
+}
+
 /* Numbers of the largest field, or of a row. */
 static size_t scratch_size(const gh_results *r) {
   const gh_solver_results *s = r->solver;
   size_t most = (size_t)s->ncolumns;
   for (int k = 0; k < s->nfields; k++) {
     const gh_field *f = s->fields + k;
-    const int places = f->place == GH_AT_NODES ? s->mesh->nnodes : r->points;
-    const size_t n = (size_t)places * (size_t)f->components;
+    const size_t n = results_field_rows(r, f) * (size_t)f->components;
     if (n > most) most = n;
   }
   return most;
