@@ -2,6 +2,7 @@
 /* What a run needs to continue, for its checkpoint: position, summary, body, packings. */
 #include "scene/output.h"
 
+#include <inttypes.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -10,7 +11,7 @@ enum { POSITION = 3 };
 /* ---- marks ---- */
 
 static uint64_t scene_sum(const gh_scene *s) {
-  uint64_t sum = gh_sum_bytes(gh_sum_begin, s->text, strlen(s->text));
+  uint64_t sum = gh_sum_bytes(GH_SUM_BEGIN, s->text, strlen(s->text));
   for (int k = 0; k < s->noverrides; k++) {
     sum = gh_sum_bytes(sum, s->override_key[k], strlen(s->override_key[k]) + 1);
     sum = gh_sum_bytes(sum, s->override_value[k], strlen(s->override_value[k]) + 1);
@@ -20,7 +21,7 @@ static uint64_t scene_sum(const gh_scene *s) {
 
 static uint64_t mesh_sum(const gh_scene *s) {
   const gh_mesh *m = s->mesh;
-  uint64_t sum = gh_sum_bytes(gh_sum_begin, m->X, 2 * (size_t)m->nnodes * sizeof *m->X);
+  uint64_t sum = gh_sum_bytes(GH_SUM_BEGIN, m->X, 2 * (size_t)m->nnodes * sizeof *m->X);
   sum = gh_sum_bytes(sum, m->quad, (size_t)m->nelements * sizeof *m->quad);
   for (int k = 0; k < s->nsets; k++) {
     const gh_mesh_set *set = m->sets + k;
@@ -33,7 +34,7 @@ static uint64_t mesh_sum(const gh_scene *s) {
 
 static uint64_t packings_sum(const gh_scene *s) {
   uint64_t sum =
-      gh_sum_bytes(gh_sum_begin, s->packing_of, 4 * (size_t)s->mesh->nelements * sizeof *s->packing_of);
+      gh_sum_bytes(GH_SUM_BEGIN, s->packing_of, 4 * (size_t)s->mesh->nelements * sizeof *s->packing_of);
   for (int k = 0; k < s->npackings; k++) {
     const gh_packing *p = s->packings[k];
     size_t n = (size_t)p->n;
@@ -47,6 +48,10 @@ static uint64_t packings_sum(const gh_scene *s) {
   return sum;
 }
 
+static void mark_sum(gh_mark *mark, uint64_t sum) {
+  snprintf(mark->value, sizeof mark->value, "%016" PRIx64, sum);
+}
+
 int scene_marks(void *data, gh_mark *list) {
   static const gh_mark names[] = {{"/made/scene", "belongs to another scene file", ""},
                                   {"/made/mesh", "belongs to another mesh", ""},
@@ -56,9 +61,9 @@ int scene_marks(void *data, gh_mark *list) {
   const scene_output *out = data;
   const gh_scene *s = out->scene;
   memcpy(list, names, sizeof names);
-  gh_sum_text(scene_sum(s), list[0].value);
-  gh_sum_text(mesh_sum(s), list[1].value);
-  gh_sum_text(packings_sum(s), list[2].value);
+  mark_sum(list + 0, scene_sum(s));
+  mark_sum(list + 1, mesh_sum(s));
+  mark_sum(list + 2, packings_sum(s));
   snprintf(list[3].value, sizeof list[3].value, "%s",
            s->micro.engine == GH_ENGINE_NATIVE ? "native" : "lammps");
   snprintf(list[4].value, sizeof list[4].value, "%s", s->estimate ? "yes" : "no");
