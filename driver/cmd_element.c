@@ -56,13 +56,6 @@ static const option_row file_rows[] = {
      .kind = OPTION_TEXT,
      .place = offsetof(arguments, path),
      .help = "CSV: a column for each of the conditions, a row of targets per increment; - is standard input"},
-    {.name = "output",
-     .letter = 'o',
-     .argument = "FILE",
-     .kind = OPTION_TEXT,
-     .place = offsetof(arguments, output),
-     .standard = "standard output",
-     .help = "results"},
     {0}};
 
 static const option_row control_rows[] = {
@@ -278,6 +271,7 @@ const cli_command cli_element = {
         "Exit status: 0 done, 1 an increment did not converge (the rows before it are written), 2 wrong "
         "input.\n",
     .options = (const option_group[]){{file_rows, 0},
+                                      {rve_table_option, offsetof(arguments, output)},
                                       {packing_condition_rows, offsetof(arguments, p)},
                                       {packing_contact_rows, offsetof(arguments, p)},
                                       {packing_solver_rows, offsetof(arguments, p)},
