@@ -45,10 +45,11 @@ static const option_row file_rows[] = {
      .argument = "FILE",
      .kind = OPTION_TEXT,
      .place = offsetof(arguments, control),
-     .help = "YAML: steps, each with three conditions, or four (`granhom help keys element`), on F11 F12 F21 "
-             "F22, volume (det F), Cauchy stresses s11 s12 s22, pressure (-(s11 + s22)/2), Piola stresses P11 "
-             "P12 P21 P22, and sums: \"s22 - 0.5 s11\". With three, F21 is fixed: what is horizontal stays "
-             "so"},
+     .help =
+         "YAML: steps, each with three conditions, or four (`granhom help keys element`), on F11 F12 F21 "
+         "F22, volume (det F), Cauchy stresses s11 s12 s22, pressure (-(s11 + s22)/2), Piola stresses P11 "
+         "P12 P21 P22, and sums: \"s22 - 0.5 s11\". With three, F21 is fixed: what is horizontal stays "
+         "so"},
     {.name = "path",
      .argument = "FILE",
      .kind = OPTION_TEXT,
@@ -261,11 +262,10 @@ const cli_command cli_element = {
              "       granhom element PACKING --path TABLE.csv [options] [-o OUT.csv]\n",
     .about =
         "An element test: any mix of stresses and strains is prescribed for one packing, and F is found.\n",
-    .notes =
-        "`granhom help columns rve` describes the results. Row 0 is the start: the packing as read, in "
-        "equilibrium.\n\n"
-        "Exit status: 0 done, 1 an increment did not converge (the rows before it are written), 2 wrong "
-        "input.\n",
+    .notes = "`granhom help columns rve` describes the results. Row 0 is the start: the packing as read, in "
+             "equilibrium.\n\n"
+             "Exit status: 0 done, 1 an increment did not converge (the rows before it are written), 2 wrong "
+             "input.\n",
     .options = (const option_group[]){{file_rows, 0},
                                       {rve_table_option, offsetof(arguments, output)},
                                       {packing_condition_rows, offsetof(arguments, p)},
