@@ -1,7 +1,7 @@
 #!/bin/sh
 # Wrong scenes: one clear message with file and line, exit status 2, nothing written. SPDX-License-Identifier: GPL-2.0-or-later
 set -u
-granhom=$(pwd)/${BUILD:-build}/granhom
+granhom=$(cd "${BUILD:-build}" && pwd)/granhom
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 failed=0

@@ -4,7 +4,7 @@
 set -u
 export OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1
 root=$(pwd)
-granhom=$root/${BUILD:-build}/granhom
+granhom=$(cd "${BUILD:-build}" && pwd)/granhom
 work=$(mktemp -d)
 runner=
 trap '[ -n "$runner" ] && kill -9 $runner 2>/dev/null; rm -rf "$work"' EXIT

@@ -2,7 +2,7 @@
 # Loads, lengths and stiffnesses beyond what numbers hold: an error with the reason, never nan or inf in a file. The BLAS
 # is named, and another one is warned of. SPDX-License-Identifier: GPL-2.0-or-later
 set -u
-granhom=$(pwd)/${BUILD:-build}/granhom
+granhom=$(cd "${BUILD:-build}" && pwd)/granhom
 cases=$(pwd)/tests/data/cases
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
