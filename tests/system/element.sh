@@ -139,11 +139,13 @@ check "or the test ends there" test $? = 1
 cat >second.yaml <<'END'
 steps: [{increments: 8, control: {F12: {by: 0.004}, pressure: 0.2, F11: hold}}]
 END
-check "a state is saved" element --control first.yaml --friction-angle 20 --save-state state.h5 -o first.csv
-check "and loaded" element --control second.yaml --friction-angle 20 --load-state state.h5 -o second.csv
-# With friction, a state is the end of a step, and the start is an empty step from there: it differs a little.
-check "the test continues from it" awk -F, 'FNR == 1 { next } NR == FNR { a[FNR] = $10; b[FNR] = $11; next }
-  FNR > 2 { if (($10 - a[FNR + 5]) ^ 2 > 4e-10 || ($11 - b[FNR + 5]) ^ 2 > 4e-10) exit 1; rows++ } END { if (rows != 8) exit 1 }' pressure.csv second.csv
+if has HDF5 states; then
+  check "a state is saved" element --control first.yaml --friction-angle 20 --save-state state.h5 -o first.csv
+  check "and loaded" element --control second.yaml --friction-angle 20 --load-state state.h5 -o second.csv
+  # With friction, a state is the end of a step, and the start is an empty step from there: it differs a little.
+  check "the test continues from it" awk -F, 'FNR == 1 { next } NR == FNR { a[FNR] = $10; b[FNR] = $11; next }
+    FNR > 2 { if (($10 - a[FNR + 5]) ^ 2 > 4e-10 || ($11 - b[FNR + 5]) ^ 2 > 4e-10) exit 1; rows++ } END { if (rows != 8) exit 1 }' pressure.csv second.csv
+fi
 
 # --- more than the packing can carry ---
 cat >much.yaml <<'END'

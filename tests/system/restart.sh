@@ -4,6 +4,7 @@
 set -u
 . "$(dirname "$0")/../shell.sh" # begin, say
 begin memory
+has HDF5 "restarts" || exit 0
 packings=$root/tests/data/cases/packings
 
 # Every kind of load, supports that begin and end, friction, unsymmetric systems, packings in turn
