@@ -141,13 +141,6 @@ gh_status gh_results_close(gh_results *r, const char *state, const char *message
   return record_write(r, state, message, true);
 }
 
-size_t results_field_rows(const gh_results *r, const gh_field *field) {
-  const gh_mesh *m = r->solver->mesh;
-  return (size_t)(field->place == GH_AT_NODES   ? m->nnodes
-                  : field->place == GH_AT_CELLS ? m->nelements
-                                                : r->points);
-}
-
 /* Numbers of the largest field, or of a row. */
 static size_t scratch_size(const gh_results *r) {
   const gh_solver_results *s = r->solver;
