@@ -65,11 +65,6 @@ static gh_status boundary_read(gh_context *ctx, const char *where, const char *t
 }
 
 static const option_row file_rows[] = {
-    {.name = "path",
-     .argument = "FILE",
-     .kind = OPTION_TEXT,
-     .place = offsetof(arguments, path),
-     .help = "CSV with the columns F11 F12 F21 F22 (and step), a row per increment; - is standard input"},
     {.name = "output",
      .letter = 'o',
      .argument = "DIR",
@@ -216,7 +211,8 @@ const cli_command cli_crosscheck = {
     .notes = "Exit status: 0 done, also when LIGGGHTS is missing or cannot do the path (the table reports "
              "it); 1 a "
              "program failed or was stopped (what there is is written), 2 wrong input.\n",
-    .options = (const option_group[]){{file_rows, 0},
+    .options = (const option_group[]){{path_option, offsetof(arguments, path)},
+                                      {file_rows, 0},
                                       {engine_rows, 0},
                                       {packing_contact_rows, offsetof(arguments, p)},
                                       {packing_solver_rows, offsetof(arguments, p)},

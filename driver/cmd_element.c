@@ -45,24 +45,16 @@ static const option_row file_rows[] = {
      .argument = "FILE",
      .kind = OPTION_TEXT,
      .place = offsetof(arguments, control),
-     .help = "YAML: steps: [{name, increments, control: {...}, until: {...}}, ...]. A step's control names "
-             "three conditions, or four; each is a number, which it goes to linearly, or hold, {to: x}, "
-             "{by: x} or {times: x}. Conditions are F11 F12 F21 F22, volume (det F), Cauchy stresses s11 s12 "
-             "s22, pressure (-(s11 + s22)/2), Piola stresses P11 P12 P21 P22, and sums: \"s22 - 0.5 s11\". "
-             "With three, F21 is fixed: what is horizontal stays so. `until: {s12: 0.05}` ends a step early; "
-             "{repeat: N, steps: [...]} repeats steps"},
+     .help =
+         "YAML: steps, each with three conditions, or four (`granhom help keys element`), on F11 F12 F21 "
+         "F22, volume (det F), Cauchy stresses s11 s12 s22, pressure (-(s11 + s22)/2), Piola stresses P11 "
+         "P12 P21 P22, and sums: \"s22 - 0.5 s11\". With three, F21 is fixed: what is horizontal stays "
+         "so"},
     {.name = "path",
      .argument = "FILE",
      .kind = OPTION_TEXT,
      .place = offsetof(arguments, path),
      .help = "CSV: a column for each of the conditions, a row of targets per increment; - is standard input"},
-    {.name = "output",
-     .letter = 'o',
-     .argument = "FILE",
-     .kind = OPTION_TEXT,
-     .place = offsetof(arguments, output),
-     .standard = "standard output",
-     .help = "results"},
     {0}};
 
 static const option_row control_rows[] = {
@@ -270,14 +262,12 @@ const cli_command cli_element = {
              "       granhom element PACKING --path TABLE.csv [options] [-o OUT.csv]\n",
     .about =
         "An element test: any mix of stresses and strains is prescribed for one packing, and F is found.\n",
-    .notes =
-        "The results have the columns of granhom rve and: load_step, volume, pressure, iterations "
-        "(evaluations of the packing), parts (substeps), cuts (bisections), jumps (instabilities stepped "
-        "over), mismatch (lack of the prescribed stresses over the largest stress). Row 0 is the start: the "
-        "packing as read, in equilibrium.\n\n"
-        "Exit status: 0 done, 1 an increment did not converge (the rows before it are written), 2 wrong "
-        "input.\n",
+    .notes = "`granhom help columns rve` describes the results. Row 0 is the start: the packing as read, in "
+             "equilibrium.\n\n"
+             "Exit status: 0 done, 1 an increment did not converge (the rows before it are written), 2 wrong "
+             "input.\n",
     .options = (const option_group[]){{file_rows, 0},
+                                      {rve_table_option, offsetof(arguments, output)},
                                       {packing_condition_rows, offsetof(arguments, p)},
                                       {packing_contact_rows, offsetof(arguments, p)},
                                       {packing_solver_rows, offsetof(arguments, p)},

@@ -42,21 +42,6 @@ typedef struct job {
 
 /* ---- options ---- */
 
-static const option_row file_rows[] = {
-    {.name = "path",
-     .argument = "FILE",
-     .kind = OPTION_TEXT,
-     .place = offsetof(arguments, path),
-     .help = "CSV with the columns F11 F12 F21 F22 (and step), a row per increment; - is standard input"},
-    {.name = "output",
-     .letter = 'o',
-     .argument = "FILE",
-     .kind = OPTION_TEXT,
-     .place = offsetof(arguments, output),
-     .standard = "standard output",
-     .help = "results"},
-    {0}};
-
 static const option_row more_rows[] = {
     {.name = "estimate-error",
      .kind = OPTION_FLAG,
@@ -284,7 +269,8 @@ const cli_command cli_rve = {
         "equilibrium is bisected, to a depth of six.\n",
     .notes = "Exit status: 0 done, 1 an increment did not converge (the rows before it are written), 2 wrong "
              "input.\n",
-    .options = (const option_group[]){{file_rows, 0},
+    .options = (const option_group[]){{path_option, offsetof(arguments, path)},
+                                      {rve_table_option, offsetof(arguments, output)},
                                       {packing_condition_rows, offsetof(arguments, p)},
                                       {packing_contact_rows, offsetof(arguments, p)},
                                       {packing_solver_rows, offsetof(arguments, p)},

@@ -2,6 +2,13 @@
 /* A path of deformation gradients from a CSV file. */
 #include "path.h"
 
+const option_row path_option[] = {
+    {.name = "path",
+     .argument = "FILE",
+     .kind = OPTION_TEXT,
+     .help = "CSV with the columns F11 F12 F21 F22 (and step), a row per increment; - is standard input"},
+    {0}};
+
 void path_F(const path_rows *path, int row, double F[4]) {
   for (int k = 0; k < 4; k++) F[k] = path->csv->value[row * path->csv->ncols + path->columns[k + 1]];
 }

@@ -3,6 +3,8 @@
 #ifndef GRANHOM_DRIVER_PATH_H
 #define GRANHOM_DRIVER_PATH_H
 
+#include "options.h"
+
 #include "granhom/io.h"
 #include "granhom/limits.h"
 
@@ -11,6 +13,8 @@ typedef struct path_rows {
   int columns[5]; /* step F11 F12 F21 F22; the first is -1 when there is none */
 } path_rows;
 
+/* The option --path, a const char *. */
+extern const option_row path_option[];
 /* Reads and checks: GH_INPUT with file and line when a column is missing, there is no row, det F <= 0 or a
  * step is no integer. */
 gh_status path_read(gh_context *ctx, const char *file, path_rows *path);

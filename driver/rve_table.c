@@ -6,6 +6,14 @@
 
 #include <string.h>
 
+const option_row rve_table_option[] = {{.name = "output",
+                                        .letter = 'o',
+                                        .argument = "FILE",
+                                        .kind = OPTION_TEXT,
+                                        .standard = "standard output",
+                                        .help = "results"},
+                                       {0}};
+
 void rve_table_header(gh_text *out, bool friction) {
   gh_terms_header(out, columns_point, ",");
   if (!friction) return;

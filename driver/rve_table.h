@@ -3,8 +3,13 @@
 #ifndef GRANHOM_RVE_TABLE_H
 #define GRANHOM_RVE_TABLE_H
 
+#include "options.h"
+
 #include "granhom/io.h"
 #include "granhom/micro.h"
+
+/* The option --output of the table, a const char *. */
+extern const option_row rve_table_option[];
 
 /* Names and values, without the end of the line. Of energy_t, dissipation and sliding with friction alone. */
 void rve_table_header(gh_text *out, bool friction);

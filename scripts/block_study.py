@@ -295,10 +295,11 @@ def main():
     shown = [r for r in others if r.present]
     periodic = [r for r in runs if r.name.endswith("periodic")]
     parts = {"residuals": residual_table([r for r in runs if r.name.startswith("p02")])}
-    parts.update({"orders": order_table(runs + shown), "runs": run_table(runs + shown), "ends": ends_table(nine + others),
+    parts.update({"runs": run_table(runs + shown), "ends": ends_table(nine + others),
                   "curves": curve_table(runs), "ordered": order_of_curves(runs), "rve cases": rve_table(out)})
     write_acoustic(out, periodic)
     replace(report, parts)
+    print(order_table(runs + shown))
     print(jump_share(runs + shown))
 
 

@@ -38,6 +38,12 @@ begin() {
   work=$( { [ "${1:-}" = memory ] && [ -w /dev/shm ] && mktemp -d -p /dev/shm; } || mktemp -d) && cd "$work" || exit 1
   trap 'rm -rf "$work"' EXIT
 }
+# has MPI, has HDF5, after begin: the program is built with it; has WHAT NAME: where it is not, NAME is skipped, which is printed
+has() {
+  "$granhom" --version | grep -q "^$1 yes" && return
+  [ $# -gt 1 ] && echo "skip - $2 (no $1)"
+  return 1
+}
 # refused_by COMMAND NAME WORDS ARGUMENTS...: granhom COMMAND ARGUMENTS in the empty folder `clean`: exit 2, WORDS, nothing written
 refused_by() {
   local command=$1 name=$2 words=$3 code

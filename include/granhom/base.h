@@ -17,6 +17,7 @@
 #include <math.h>
 #include <stdbool.h>
 #include <stddef.h>
+#include <stdint.h>
 #include <stdio.h>
 
 /* What the shared libraries export; all else is hidden in them. */
@@ -140,6 +141,16 @@ GH_API gh_status gh_blas(gh_context *ctx, char *text, size_t size);
 
 /* Seconds of a monotonic clock. */
 GH_API double gh_seconds(void);
+
+/* ---- checksums of what is compared within one program or version ---- */
+
+/* 64-bit FNV-1a over bytes; of several pieces, one after the other. Start with GH_SUM_BEGIN. */
+#define GH_SUM_BEGIN UINT64_C(14695981039346656037)
+static inline uint64_t gh_sum_bytes(uint64_t sum, const void *data, size_t size) {
+  const unsigned char *bytes = (const unsigned char *)data;
+  for (size_t k = 0; k < size; k++) sum = (sum ^ bytes[k]) * UINT64_C(1099511628211);
+  return sum;
+}
 
 /* ---- tensors of the plane ---- */
 

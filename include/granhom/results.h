@@ -153,9 +153,7 @@ GH_API gh_status gh_checkpoint_find(const gh_results *r, bool *there);
  * when it is damaged or belongs to something else. */
 GH_API gh_status gh_checkpoint_read(gh_results *r);
 
-/* Datasets that count into the checkpoint's checksum. Sizes are those of the file when it is read; the caller
- * frees. GH_INPUT: it is not there, of another shape or larger than the file. */
-GH_API gh_context *gh_archive_context(const gh_archive *a);
+/* Datasets of a checkpoint. Sizes are those of the file when it is read; the caller frees. GH_INPUT: it is not there, of another shape or larger than the file. */
 GH_API gh_status gh_archive_put_doubles(gh_archive *a, const char *name, size_t n, const double *data);
 GH_API gh_status gh_archive_put_ints(gh_archive *a, const char *name, size_t n, const int *data);
 GH_API gh_status gh_archive_put_bytes(gh_archive *a, const char *name, size_t size, const void *data);
@@ -163,12 +161,6 @@ GH_API gh_status gh_archive_get_doubles(gh_archive *a, const char *name, size_t 
 GH_API gh_status gh_archive_get_ints(gh_archive *a, const char *name, size_t *n, int **data);
 GH_API gh_status gh_archive_get_bytes(gh_archive *a, const char *name, size_t *size,
                                       char **data); /* and a 0 */
-
-/* FNV-1a over words of eight bytes, for marks: changes with every single bit. Begin with gh_sum_begin. */
-extern const uint64_t gh_sum_begin;
-GH_API uint64_t gh_sum_bytes(uint64_t sum, const void *data, size_t size);
-enum { GH_SUM_TEXT = 17 };
-GH_API void gh_sum_text(uint64_t sum, char text[GH_SUM_TEXT]);
 
 /* ---- dumps ---- */
 

@@ -139,15 +139,12 @@ void farm_books_clear(farm_books *b) {
 
 /* ---- jobs ---- */
 
-/* FNV-1a. */
 static uint64_t content_hash(long content, long near, const double F[4]) {
   unsigned char bytes[sizeof content + sizeof near + 4 * sizeof *F];
-  uint64_t h = 14695981039346656037u;
   memcpy(bytes, &content, sizeof content);
   memcpy(bytes + sizeof content, &near, sizeof near);
   memcpy(bytes + sizeof content + sizeof near, F, 4 * sizeof *F);
-  for (size_t k = 0; k < sizeof bytes; k++) h = (h ^ bytes[k]) * 1099511628211u;
-  return h;
+  return gh_sum_bytes(GH_SUM_BEGIN, bytes, sizeof bytes);
 }
 
 static long content_of_point(const farm_books *b, int state) {

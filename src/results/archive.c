@@ -1,41 +1,15 @@
 /* SPDX-License-Identifier: GPL-2.0-or-later */
-/* Datasets that count into the checksum of a checkpoint. */
+/* Datasets of a checkpoint. */
 #include "results/archive.h"
 
-#include <inttypes.h>
 #include <stdlib.h>
 #include <string.h>
 
-uint64_t gh_sum_bytes(uint64_t sum, const void *data, size_t size) {
-  const char *bytes = data;
-  for (; size > 0;) {
-    uint64_t word = 0;
-    size_t n = size < sizeof word ? size : sizeof word;
-    memcpy(&word, bytes, n);
-    sum = (sum ^ word) * 1099511628211u;
-    sum ^= sum >> 32;
-    bytes += n, size -= n;
-  }
-  return sum;
-}
-
-const uint64_t gh_sum_begin = 14695981039346656037u;
-
-void gh_sum_text(uint64_t sum, char text[GH_SUM_TEXT]) {
-  snprintf(text, GH_SUM_TEXT, "%016" PRIx64, sum);
-}
-
-gh_context *gh_archive_context(const gh_archive *a) {
-  return a->ctx;
-}
-
 gh_status gh_archive_put_doubles(gh_archive *a, const char *name, size_t n, const double *data) {
-  a->sum = gh_sum_bytes(gh_sum_bytes(a->sum, &n, sizeof n), data, n * sizeof *data);
   return gh_h5_put_doubles(a->file, name, n, 1, data);
 }
 
 gh_status gh_archive_put_ints(gh_archive *a, const char *name, size_t n, const int *data) {
-  a->sum = gh_sum_bytes(gh_sum_bytes(a->sum, &n, sizeof n), data, n * sizeof *data);
   return gh_h5_put_ints(a->file, name, n, 1, data);
 }
 
@@ -62,17 +36,13 @@ static gh_status dataset_size(gh_archive *a, const char *name, size_t *n) {
 gh_status gh_archive_get_doubles(gh_archive *a, const char *name, size_t *n, double **data) {
   GH_TRY(dataset_size(a, name, n));
   GH_TRY(gh_alloc(a->ctx, *n + 1, sizeof **data, data));
-  GH_TRY(gh_h5_get_doubles(a->file, name, *n, 1, *data));
-  a->sum = gh_sum_bytes(gh_sum_bytes(a->sum, n, sizeof *n), *data, *n * sizeof **data);
-  return GH_OK;
+  return gh_h5_get_doubles(a->file, name, *n, 1, *data);
 }
 
 gh_status gh_archive_get_ints(gh_archive *a, const char *name, size_t *n, int **data) {
   GH_TRY(dataset_size(a, name, n));
   GH_TRY(gh_alloc(a->ctx, *n + 1, sizeof **data, data));
-  GH_TRY(gh_h5_get_ints(a->file, name, *n, 1, *data));
-  a->sum = gh_sum_bytes(gh_sum_bytes(a->sum, n, sizeof *n), *data, *n * sizeof **data);
-  return GH_OK;
+  return gh_h5_get_ints(a->file, name, *n, 1, *data);
 }
 
 gh_status gh_archive_get_bytes(gh_archive *a, const char *name, size_t *size, char **data) {

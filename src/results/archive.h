@@ -8,7 +8,6 @@
 struct gh_archive {
   gh_context *ctx;
   gh_h5 *file;
-  uint64_t sum;
   size_t bytes; /* of a file that is read */
 };
 

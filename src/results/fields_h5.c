@@ -49,18 +49,11 @@ done:
   return status;
 }
 
-static size_t field_rows(const gh_results *r, const gh_field *field) {
-  const gh_mesh *m = r->solver->mesh;
-  return (size_t)(field->place == GH_AT_NODES   ? m->nnodes
-                  : field->place == GH_AT_CELLS ? m->nelements
-                                                : r->points);
-}
-
 static gh_status field_put(gh_results *r, gh_h5 *file, const gh_frame *f, const gh_field *field) {
   char name[128];
   snprintf(name, sizeof name, "/step%04d/%s", f->counter, field->name);
   GH_TRY(field->fill(r->solver->data, field, r->value));
-  return gh_h5_put_doubles(file, name, field_rows(r, field), (size_t)field->components, r->value);
+  return gh_h5_put_doubles(file, name, results_field_rows(r, field), (size_t)field->components, r->value);
 }
 
 gh_status results_write_fields(gh_results *r, const gh_frame *f) {

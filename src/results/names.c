@@ -26,7 +26,7 @@ const char *gh_results_kind(const char *file) {
   } kinds[] = {{"results.h5", "results 1"},
                {"rves.h5", "rves 1"},
                {"traces.h5", "traces 1"},
-               {"checkpoint.h5", "checkpoint 5"}};
+               {"checkpoint.h5", "checkpoint 6"}};
   for (size_t k = 0; k < sizeof kinds / sizeof *kinds; k++)
     if (strcmp(kinds[k].name, file) == 0) return kinds[k].kind;
   return "unknown";

@@ -147,8 +147,7 @@ static size_t scratch_size(const gh_results *r) {
   size_t most = (size_t)s->ncolumns;
   for (int k = 0; k < s->nfields; k++) {
     const gh_field *f = s->fields + k;
-    const int places = f->place == GH_AT_NODES ? s->mesh->nnodes : r->points;
-    const size_t n = (size_t)places * (size_t)f->components;
+    const size_t n = results_field_rows(r, f) * (size_t)f->components;
     if (n > most) most = n;
   }
   return most;

@@ -29,6 +29,13 @@ typedef struct results_text {
 } results_text;
 enum { RESULTS_TEXTS = 5 };
 void results_texts(const gh_results *r, results_text list[RESULTS_TEXTS]);
+/* Nodes, cells or integration points. */
+static inline size_t results_field_rows(const gh_results *r, const gh_field *field) {
+  const gh_mesh *m = r->solver->mesh;
+  return (size_t)(field->place == GH_AT_NODES   ? m->nnodes
+                  : field->place == GH_AT_CELLS ? m->nelements
+                                                : r->points);
+}
 /* The folder is that of a run with `frames` complete increments; what came behind them is removed. */
 gh_status results_resume(gh_results *r, int frames);
 

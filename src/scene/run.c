@@ -290,8 +290,7 @@ static gh_status check_start(run *r) {
 }
 
 static gh_status begin_start(run *r) {
-  r->step = 0, r->increment = 1;
-  GH_TRY(gh_scene_loads(r->scene, 0, 1, NULL, r->loads));
+  r->step = 0, r->increment = 1; /* of which the loads are since open_run */
   GH_TRY(check_start(r));
   if (r->scene->start == SCENE_START_BALANCE) GH_TRY(gh_macro_balance(r->macro));
   gh_status status = solve(r);

@@ -2,6 +2,7 @@
 /* What a run needs to continue, for its checkpoint: position, summary, body, packings. */
 #include "scene/output.h"
 
+#include <inttypes.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -10,7 +11,7 @@ enum { POSITION = 3 };
 /* ---- marks ---- */
 
 static uint64_t scene_sum(const gh_scene *s) {
-  uint64_t sum = gh_sum_bytes(gh_sum_begin, s->text, strlen(s->text));
+  uint64_t sum = gh_sum_bytes(GH_SUM_BEGIN, s->text, strlen(s->text));
   for (int k = 0; k < s->noverrides; k++) {
     sum = gh_sum_bytes(sum, s->override_key[k], strlen(s->override_key[k]) + 1);
     sum = gh_sum_bytes(sum, s->override_value[k], strlen(s->override_value[k]) + 1);
@@ -20,7 +21,7 @@ static uint64_t scene_sum(const gh_scene *s) {
 
 static uint64_t mesh_sum(const gh_scene *s) {
   const gh_mesh *m = s->mesh;
-  uint64_t sum = gh_sum_bytes(gh_sum_begin, m->X, 2 * (size_t)m->nnodes * sizeof *m->X);
+  uint64_t sum = gh_sum_bytes(GH_SUM_BEGIN, m->X, 2 * (size_t)m->nnodes * sizeof *m->X);
   sum = gh_sum_bytes(sum, m->quad, (size_t)m->nelements * sizeof *m->quad);
   for (int k = 0; k < s->nsets; k++) {
     const gh_mesh_set *set = m->sets + k;
@@ -33,7 +34,7 @@ static uint64_t mesh_sum(const gh_scene *s) {
 
 static uint64_t packings_sum(const gh_scene *s) {
   uint64_t sum =
-      gh_sum_bytes(gh_sum_begin, s->packing_of, 4 * (size_t)s->mesh->nelements * sizeof *s->packing_of);
+      gh_sum_bytes(GH_SUM_BEGIN, s->packing_of, 4 * (size_t)s->mesh->nelements * sizeof *s->packing_of);
   for (int k = 0; k < s->npackings; k++) {
     const gh_packing *p = s->packings[k];
     size_t n = (size_t)p->n;
@@ -47,6 +48,10 @@ static uint64_t packings_sum(const gh_scene *s) {
   return sum;
 }
 
+static void mark_sum(gh_mark *mark, uint64_t sum) {
+  snprintf(mark->value, sizeof mark->value, "%016" PRIx64, sum);
+}
+
 int scene_marks(void *data, gh_mark *list) {
   static const gh_mark names[] = {{"/made/scene", "belongs to another scene file", ""},
                                   {"/made/mesh", "belongs to another mesh", ""},
@@ -56,9 +61,9 @@ int scene_marks(void *data, gh_mark *list) {
   const scene_output *out = data;
   const gh_scene *s = out->scene;
   memcpy(list, names, sizeof names);
-  gh_sum_text(scene_sum(s), list[0].value);
-  gh_sum_text(mesh_sum(s), list[1].value);
-  gh_sum_text(packings_sum(s), list[2].value);
+  mark_sum(list + 0, scene_sum(s));
+  mark_sum(list + 1, mesh_sum(s));
+  mark_sum(list + 2, packings_sum(s));
   snprintf(list[3].value, sizeof list[3].value, "%s",
            s->micro.engine == GH_ENGINE_NATIVE ? "native" : "lammps");
   snprintf(list[4].value, sizeof list[4].value, "%s", s->estimate ? "yes" : "no");
@@ -179,7 +184,7 @@ static gh_status position_get(gh_archive *a, const gh_scene *s, scene_loaded *c)
   return GH_OK;
 }
 
-static gh_status farm_get(gh_archive *a, const char *folder, gh_farm_image *f) {
+static gh_status farm_get(gh_context *ctx, gh_archive *a, const char *folder, gh_farm_image *f) {
   char name[64];
   size_t n, starts, nmeasure, ndata;
   double *start = NULL;
@@ -188,7 +193,7 @@ static gh_status farm_get(gh_archive *a, const char *folder, gh_farm_image *f) {
   GH_TRY_OR(gh_archive_get_doubles(a, name_join(name, folder, "start"), &starts, &start), done);
   GH_TRY_OR(gh_archive_get_doubles(a, name_join(name, folder, "data"), &ndata, &f->data), done);
   GH_TRY_OR(gh_archive_get_doubles(a, name_join(name, folder, "measure"), &nmeasure, &f->measure), done);
-  GH_TRY_OR(gh_alloc(gh_archive_context(a), starts + 1, sizeof *f->start, &f->start), done);
+  GH_TRY_OR(gh_alloc(ctx, starts + 1, sizeof *f->start, &f->start), done);
   bool fits = starts >= 1;
   for (size_t k = 0; k < starts; k++) {
     fits = fits && start[k] >= (k ? start[k - 1] : 0) && start[k] <= (double)ndata;
@@ -198,13 +203,13 @@ static gh_status farm_get(gh_archive *a, const char *folder, gh_farm_image *f) {
   f->nstates = (int)starts - 1;
   f->nwords = n > 0 ? (int)(nmeasure / n) : 0;
   if (n < 1 || !fits || f->start[starts - 1] != ndata || nmeasure != n * (size_t)f->nwords)
-    status = gh_fail(gh_archive_context(a), GH_INPUT, "the lists in %s do not fit each other", folder);
+    status = gh_fail(ctx, GH_INPUT, "the lists in %s do not fit each other", folder);
 done:
   free(start);
   return status;
 }
 
-static gh_status whole_get(gh_archive *a, scene_loaded *c) {
+static gh_status whole_get(gh_context *ctx, gh_archive *a, scene_loaded *c) {
   size_t n;
   int *apart = NULL;
   gh_status status = gh_archive_get_ints(a, "/whole/apart", &n, &apart);
@@ -212,7 +217,7 @@ static gh_status whole_get(gh_archive *a, scene_loaded *c) {
   free(apart);
   if (!c->apart) return status;
   GH_TRY(gh_archive_get_doubles(a, "/whole/macro", &c->whole_size, &c->whole_macro));
-  return farm_get(a, "/whole/farm", &c->whole_farm);
+  return farm_get(ctx, a, "/whole/farm", &c->whole_farm);
 }
 
 gh_status scene_load(void *data, gh_archive *a) {
@@ -223,8 +228,8 @@ gh_status scene_load(void *data, gh_archive *a) {
   GH_TRY(gh_alloc(o->ctx, (size_t)o->scene->nsteps + 1, sizeof *c->begin_u, &c->begin_u));
   GH_TRY(position_get(a, o->scene, c));
   GH_TRY(gh_archive_get_doubles(a, "/macro", &c->macro_size, &c->macro));
-  GH_TRY(farm_get(a, "/farm", &c->farm));
-  return o->scene->estimate ? whole_get(a, c) : GH_OK;
+  GH_TRY(farm_get(o->ctx, a, "/farm", &c->farm));
+  return o->scene->estimate ? whole_get(o->ctx, a, c) : GH_OK;
 }
 
 static void position_use(scene_loaded *c, scene_position *p) {

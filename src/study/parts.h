@@ -105,10 +105,6 @@ gh_status study_record_path(const gh_study *s, const char *folder, const char *i
 /* There is a whole record of the run, and it is in *run now. */
 bool study_record_find(const gh_study *s, const char *folder, study_run *run);
 
-/* 64-bit FNV-1a over bytes. */
-uint64_t study_hash(uint64_t sum, const void *bytes, size_t size);
-extern const uint64_t study_hash_begin;
-
 /* ---- reference.c, lattice.c ---- */
 
 /* The curve of a file or a closed form into s->given. All configurations are known. */

@@ -15,17 +15,9 @@ enum { MOST_REFINE = 1000000 };
 
 /* ---- hash ---- */
 
-const uint64_t study_hash_begin = 14695981039346656037u;
-
-uint64_t study_hash(uint64_t sum, const void *bytes, size_t size) {
-  const unsigned char *b = bytes;
-  for (size_t k = 0; k < size; k++) sum = (sum ^ b[k]) * 1099511628211u;
-  return sum;
-}
-
 /* A text with its end, so that two texts are not the same as one. */
 static uint64_t hash_text(uint64_t sum, const char *text) {
-  return study_hash(sum, text, strlen(text) + 1);
+  return gh_sum_bytes(sum, text, strlen(text) + 1);
 }
 
 static gh_status hash_file(gh_context *ctx, const char *path, uint64_t *sum) {
@@ -92,7 +84,7 @@ static void close_id(uint64_t sum, char id[20]) {
 }
 
 static uint64_t open_id(const char *kind) {
-  return hash_text(hash_text(hash_text(study_hash_begin, "granhom study 1"), GH_VERSION), kind);
+  return hash_text(hash_text(hash_text(GH_SUM_BEGIN, "granhom study 1"), GH_VERSION), kind);
 }
 
 /* ---- a scene ---- */
@@ -241,7 +233,7 @@ static gh_status set_keys(gh_context *ctx, gh_yaml *doc, const wanted *w) {
 
 static gh_status hash_rve(gh_context *ctx, const gh_study *s, node rve, const wanted *w, study_problem *p) {
   uint64_t sum = open_id("rve");
-  sum = study_hash(sum, &w->refine, sizeof w->refine);
+  sum = gh_sum_bytes(sum, &w->refine, sizeof w->refine);
   GH_TRY(hash_node(ctx, rve, &sum));
   GH_TRY(hash_named(ctx, s->folder, gh_yaml_get(gh_yaml_get(rve, "path"), "file"), &sum));
   GH_TRY(hash_file(ctx, w->packing, &sum));

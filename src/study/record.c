@@ -119,7 +119,7 @@ gh_status study_record_print(const gh_study *s, int config, const study_run *run
   put_curve(s, out, &run->curve);
   GH_TRY(gh_text_check(out));
   const char *text = gh_text_get(out, &length);
-  gh_text_print(out, CHECK "%016" PRIx64 "\"\n}\n", study_hash(study_hash_begin, text, length));
+  gh_text_print(out, CHECK "%016" PRIx64 "\"\n}\n", gh_sum_bytes(GH_SUM_BEGIN, text, length));
   return GH_OK;
 }
 
@@ -135,7 +135,7 @@ static gh_status check_sum(const gh_study *s, const char *text) {
   for (const char *at = text; (at = strstr(at, CHECK)) != NULL; at++) check = at;
   if (!check) return record_damaged(s, "it has no checksum");
   snprintf(wanted, sizeof wanted, CHECK "%016" PRIx64 "\"\n}\n",
-           study_hash(study_hash_begin, text, (size_t)(check - text)));
+           gh_sum_bytes(GH_SUM_BEGIN, text, (size_t)(check - text)));
   return strcmp(check, wanted) == 0 ? GH_OK : record_damaged(s, "its checksum does not fit");
 }
 

@@ -286,10 +286,10 @@ static gh_status job_list_runs(job *j) {
 
 /* All ranks have read the same study: they refer to runs by numbers. */
 static gh_status job_agree(job *j) {
-  uint64_t sum = study_hash(study_hash_begin, &j->total, sizeof j->total);
+  uint64_t sum = gh_sum_bytes(GH_SUM_BEGIN, &j->total, sizeof j->total);
   for (int k = 0; k < j->total; k++) {
     const char *id = run_at(j->s, j->all[k])->id;
-    sum = study_hash(study_hash(sum, id, strlen(id)), j->all + k, sizeof *j->all);
+    sum = gh_sum_bytes(gh_sum_bytes(sum, id, strlen(id)), j->all + k, sizeof *j->all);
   }
   if (study_team_alike(j->team, sum)) return GH_OK;
   return gh_fail(j->s->ctx, GH_INPUT,

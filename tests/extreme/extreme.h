@@ -56,6 +56,23 @@ static inline void row_error(const char *section, const char *name, const char *
   row(section, name, check, "converged, error %.0e (allowed %.0e)", worst, limit);
 }
 
+static const double I[4] = {1, 0, 0, 1}, squeeze[4] = {0.98, 0.005, 0.002, 0.985};
+
+static inline void step(gh_context *ctx, gh_rve *rve, const double F[4], double P[4], double *A) {
+  OK(gh_rve_evaluate(rve, F, A ? GH_WANT_TANGENT : 0, P, A));
+  OK(gh_rve_commit(rve));
+}
+
+/* From one deformation to another in n equal steps; P, and A where it is wanted, at the end. */
+static inline void walk(gh_context *ctx, gh_rve *rve, const double from[4], const double to[4], int n,
+                        double P[4], double *A) {
+  double F[4];
+  for (int k = 1; k <= n; k++) {
+    for (int c = 0; c < 4; c++) F[c] = from[c] + (to[c] - from[c]) * k / n;
+    step(ctx, rve, F, P, k == n ? A : NULL);
+  }
+}
+
 /* The packing with all lengths times `factor`. */
 static inline gh_packing *scaled(gh_context *ctx, const char *name, double factor) {
   gh_packing *p = case_packing(ctx, name);

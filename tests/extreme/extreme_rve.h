@@ -6,18 +6,6 @@
 #include "extreme.h"
 
 static const char section[] = "Frictionless";
-static const double I[4] = {1, 0, 0, 1}, squeeze[4] = {0.98, 0.005, 0.002, 0.985};
-
-/* P (and A where wanted) at F after the steps F/n, 2F/n, ... from I. */
-static inline void walk(gh_context *ctx, gh_rve *rve, const double from[4], const double to[4], int n,
-                        double P[4], double *A) {
-  double F[4];
-  for (int k = 1; k <= n; k++) {
-    for (int c = 0; c < 4; c++) F[c] = from[c] + (to[c] - from[c]) * k / n;
-    OK(gh_rve_evaluate(rve, F, A && k == n ? GH_WANT_TANGENT : 0, P, A));
-    OK(gh_rve_commit(rve));
-  }
-}
 
 /* Taylor on the cell, summed over all pairs and images in the plainest way. */
 static inline void sum_of_pairs(const gh_packing *p, const double F[4], double E, double P[4]) {

@@ -12,7 +12,7 @@ static void stiffness_scales(void **state) {
     double P[4][4], A[4][16];
     for (int k = 0; k < 4; k++) {
       gh_rve *rve = open_rve(ctx, p, e, *b, law_of(stiffness[k], 20, 0.1 * stiffness[k]));
-      walk(ctx, rve, I, press, 8, P[k], A[k]);
+      walk(ctx, rve, I, squeeze, 8, P[k], A[k]);
       for (int c = 0; c < 4; c++) P[k][c] /= stiffness[k];
       for (int c = 0; c < 16; c++) A[k][c] /= stiffness[k];
       WITHIN(&worst, "stress", relative(P[k], P[0], 4), 1e-9);
@@ -36,7 +36,7 @@ static void length_does_not_matter(void **state) {
     for (int k = 0; k < 4; k++) {
       gh_packing *p = scaled(ctx, "p50d", length[k]);
       gh_rve *rve = open_rve(ctx, p, e, *b, law_of(1, 20, 0.1));
-      walk(ctx, rve, I, press, 8, P[k], A[k]);
+      walk(ctx, rve, I, squeeze, 8, P[k], A[k]);
       WITHIN(&worst, "stress", relative(P[k], P[0], 4), 1e-9);
       WITHIN(&worst, "tangent", relative(A[k], A[0], 16), 1e-9);
       gh_rve_destroy(&rve);
@@ -56,7 +56,7 @@ static bool path_of(gh_context *ctx, const gh_packing *p, gh_boundary b, gh_cont
   FOR_ENGINES(e) {
     gh_rve *rve = open_rve(ctx, p, e, b, law);
     for (int k = 1; k <= STEPS; k++) {
-      for (int c = 0; c < 4; c++) F[c] = I[c] + (press[c] - I[c]) * k / STEPS;
+      for (int c = 0; c < 4; c++) F[c] = I[c] + (squeeze[c] - I[c]) * k / STEPS;
       gh_status status = gh_rve_evaluate(rve, F, 0, P[e], NULL);
       if (status != GH_OK) {
         FAILS(status, GH_DIVERGED, "no equilibrium within");
@@ -230,8 +230,8 @@ static void strongly_tilted_cells(void **state) {
       double P[4], Q[4], A[16], B[16];
       gh_rve *plain = open_rve(ctx, p, e, all_boundaries[b], law_of(1, 20, 0)),
              *tilted = open_rve(ctx, q, e, all_boundaries[b], law_of(1, 20, 0));
-      walk(ctx, plain, I, press, 8, P, A);
-      walk(ctx, tilted, I, press, 8, Q, B);
+      walk(ctx, plain, I, squeeze, 8, P, A);
+      walk(ctx, tilted, I, squeeze, 8, Q, B);
       WITHIN(&worst, "stress", relative(Q, P, 4), 1e-8);
       WITHIN(&worst, "tangent", relative(B, A, 16), 1e-8);
       gh_rve_destroy(&plain);

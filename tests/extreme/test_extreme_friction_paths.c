@@ -14,11 +14,11 @@ static void two_turns(void **state) {
       gh_contact_law law = law_of(1, 20, 0);
       law.slip = slip ? GH_SLIP_OBJECTIVE : GH_SLIP_PROJECTED;
       gh_rve *rve = open_rve(ctx, p, GH_ENGINE_NATIVE, *b, law);
-      walk(ctx, rve, I, press, 8, P, NULL);
+      walk(ctx, rve, I, squeeze, 8, P, NULL);
       memcpy(s0, gh_rve_measure(rve)->cauchy, sizeof s0);
       for (int degree = 1; degree <= 720; degree++) {
         rotation(degree * help_pi / 180, Q);
-        gh_mul2(Q, press, F);
+        gh_mul2(Q, squeeze, F);
         step(ctx, rve, F, P, NULL);
       }
       rotation(-720 * help_pi / 180, QT);
@@ -48,13 +48,13 @@ static cycling cycle(gh_context *ctx, const gh_packing *p, gh_boundary b, double
   double P[4] = {0}, F[4], last[4], second[4], end[4], work = 0, energy = 0, spent = 0, before = 0;
   gh_rve *rve = open_rve(ctx, p, GH_ENGINE_NATIVE, b, law_of(1, 20, 0));
   const gh_rve_measures *m = gh_rve_measure(rve);
-  walk(ctx, rve, I, press, 8, P, NULL);
+  walk(ctx, rve, I, squeeze, 8, P, NULL);
   for (int k = 0; k < cycles; k++) {
     if (k == 2) memcpy(second, P, sizeof P), energy = m->energy, spent = m->dissipation, work = 0;
     memcpy(end, P, sizeof P);
     before = m->dissipation;
     for (int j = 1; j <= 2 * parts; j++) {
-      memcpy(F, press, sizeof F), memcpy(last, P, sizeof last);
+      memcpy(F, squeeze, sizeof F), memcpy(last, P, sizeof last);
       F[1] += amplitude * (j <= parts ? j : 2 * parts - j) / parts;
       step(ctx, rve, F, P, NULL);
       work += (P[1] + last[1]) / 2 * amplitude / parts * (j <= parts ? 1 : -1);
@@ -160,10 +160,10 @@ static void apart_and_together(void **state) {
     gh_rve *rve = open_rve(ctx, p, e, *b, law);
     walk(ctx, rve, I, apart, 20, P, NULL);
     for (int k = 0; k < times; k++) {
-      walk(ctx, rve, apart, press, 40, P, A);
+      walk(ctx, rve, apart, squeeze, 40, P, A);
       if (k == 0) memcpy(first, P, sizeof P);
       WITHIN(&worst[relaxes], "stress", relative(P, first, 4), relaxes ? 0.2 : 1e-12);
-      walk(ctx, rve, press, apart, 20, P, A);
+      walk(ctx, rve, squeeze, apart, 20, P, A);
       assert_true(norm(P, 4) == 0 && norm(A, 16) == 0 && gh_rve_measure(rve)->unjammed);
       assert_true(gh_rve_measure(rve)->energy == 0);
     }
@@ -185,10 +185,10 @@ static void tiny_increments(void **state) {
   FOR_ENGINES(e) FOR_BOUNDARIES(b) {
     double P0[4], P[4], A[16], F[4], off[4];
     gh_rve *rve = open_rve(ctx, p, e, *b, law_of(1, 20, 0));
-    walk(ctx, rve, I, press, 40, P0, NULL);
-    OK(gh_rve_evaluate(rve, press, GH_WANT_TANGENT, P0, A));
+    walk(ctx, rve, I, squeeze, 40, P0, NULL);
+    OK(gh_rve_evaluate(rve, squeeze, GH_WANT_TANGENT, P0, A));
     for (double d = 1e-10; d < 2e-7; d *= 10) {
-      memcpy(F, press, sizeof F);
+      memcpy(F, squeeze, sizeof F);
       F[0] -= d;
       OK(gh_rve_evaluate(rve, F, 0, P, NULL));
       for (int c = 0; c < 4; c++) off[c] = P[c] - P0[c] + d * A[4 * c];

@@ -32,8 +32,13 @@ far() { "$granhom" "$1" "$root/tests/data/cases/packings/p20.data" --engine nati
   --path far.csv -o "$2" >said 2>&1; }
 check "sheared far" far element far_element.csv
 check "intermediate history commits are reported" grep -q 'step [1-9][0-9]*: limit cycle of the relaxation; [1-9][0-9]* intermediate history commit' said
+# The committed start has slips of round-off, where the compiler contracts products: they decide where in a limit cycle that was.
+cycle=$(sed -n 's/.*step \([0-9]*\): limit cycle.*/\1/p' said | head -n 1)
 far rve far_rve.csv
-check "with F prescribed it is granhom rve" diff <(sed 1,2d far_element.csv | cut -d, -f2-9) <(sed 1d far_rve.csv | cut -d, -f2-9)
+check "with F prescribed it is granhom rve, up to the first limit cycle" awk -F, -v cycle="${cycle:-0}" 'FNR == 1 { next }
+  NR == FNR { if ($1 > 0 && $1 < cycle) for (k = 2; k < 10; k++) a[$1, k] = $k; next } FNR - 1 >= cycle { exit }
+  { for (k = 2; k < 10; k++) if (($k - a[FNR - 1, k]) ^ 2 > (k < 6 ? 0 : 1e-18)) bad = 1; rows++ }
+  END { exit bad || rows < 100 }' far_element.csv far_rve.csv
 check "consolidation ends at the pressure" table biaxial.csv \
   'n == 5 && (abs(v("s11") + 0.2) > 2e-10 || abs(v("s22") + 0.2) > 2e-10) { wrong = 1 }'
 check "the side stress stays, the shear stress stays zero" table biaxial.csv \
@@ -134,11 +139,13 @@ check "or the test ends there" test $? = 1
 cat >second.yaml <<'END'
 steps: [{increments: 8, control: {F12: {by: 0.004}, pressure: 0.2, F11: hold}}]
 END
-check "a state is saved" element --control first.yaml --friction-angle 20 --save-state state.h5 -o first.csv
-check "and loaded" element --control second.yaml --friction-angle 20 --load-state state.h5 -o second.csv
-# With friction, a state is the end of a step, and the start is an empty step from there: it differs a little.
-check "the test continues from it" awk -F, 'FNR == 1 { next } NR == FNR { a[FNR] = $10; b[FNR] = $11; next }
-  FNR > 2 { if (($10 - a[FNR + 5]) ^ 2 > 4e-10 || ($11 - b[FNR + 5]) ^ 2 > 4e-10) exit 1; rows++ } END { if (rows != 8) exit 1 }' pressure.csv second.csv
+if has HDF5 states; then
+  check "a state is saved" element --control first.yaml --friction-angle 20 --save-state state.h5 -o first.csv
+  check "and loaded" element --control second.yaml --friction-angle 20 --load-state state.h5 -o second.csv
+  # With friction, a state is the end of a step, and the start is an empty step from there: it differs a little.
+  check "the test continues from it" awk -F, 'FNR == 1 { next } NR == FNR { a[FNR] = $10; b[FNR] = $11; next }
+    FNR > 2 { if (($10 - a[FNR + 5]) ^ 2 > 4e-10 || ($11 - b[FNR + 5]) ^ 2 > 4e-10) exit 1; rows++ } END { if (rows != 8) exit 1 }' pressure.csv second.csv
+fi
 
 # --- more than the packing can carry ---
 cat >much.yaml <<'END'

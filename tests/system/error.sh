@@ -73,7 +73,7 @@ check "automatic increments" "$granhom" run auto.yaml -o auto --estimate-error -
 check "are taken at once in the second path" test "$(wc -l <auto/history.csv)" -lt 8
 
 # --- several ranks ---
-if command -v mpirun >/dev/null && mpirun -n 2 true 2>/dev/null; then
+if has MPI "two ranks" && command -v mpirun >/dev/null && mpirun -n 2 true 2>/dev/null; then
   check "two ranks" mpirun -n 2 "$granhom" run rough.yaml -o two --estimate-error --quiet
   check "give the same numbers" cmp rough/history.csv two/history.csv
 fi

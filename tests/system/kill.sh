@@ -2,7 +2,8 @@
 # A run that is killed at any moment leaves the complete increments readable; a run that is asked to stop states so and ends with exit status 1.
 # SPDX-License-Identifier: GPL-2.0-or-later
 set -u
-granhom=$(pwd)/${BUILD:-build}/granhom
+granhom=$(cd "${BUILD:-build}" && pwd)/granhom
+"$granhom" --version | grep -q '^HDF5 yes' || { echo "skip - results of killed runs (no HDF5)"; exit 0; }
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 failed=0

@@ -355,6 +355,7 @@ lammps in.x; check 'compressed dumps with plain names' test -s x.gz
 check 'the help names the option' sh -c "'$granhom' help lammps | grep -q -- '--allow-shell'"
 
 # ---- two ranks ----
+has MPI "two ranks" || exit $bad
 if ! command -v mpirun >/dev/null || ! mpirun -n 2 true >said 2>said.err; then
   echo "skip - mpirun does not start here"
   exit $bad

@@ -77,6 +77,7 @@ awk 'NR > 1 { e = $7 / $8 - 1; if (e < 0) e = -e; if ($6 < 0.01 && e > 0.005 || 
   END { exit !(n == 20 && last > 0.01 && last < 0.03) }' loop.txt
 say $? 'its tangent, and the stress that is left'
 
+has MPI "two ranks" || exit $bad
 if ! command -v mpirun >/dev/null; then
   echo 'skip - there is no mpirun'
   exit $bad

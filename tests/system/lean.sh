@@ -3,6 +3,7 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 set -u
 granhom=${BUILD:-build}/granhom
+"$granhom" --version | grep -q '^HDF5 yes' || { echo "skip - what a scene pays for, and the build without MPI and HDF5 (no HDF5)"; exit 0; }
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 cases=$(pwd)/tests/data/cases

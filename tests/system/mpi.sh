@@ -27,6 +27,7 @@ say $? 'the shear loop runs on one rank'
 [ "$(wc -l <one.txt)" = 21 ]; say $? 'and writes its twenty steps'
 
 # --- two ranks ---
+has MPI "two ranks" || exit $bad
 if ! command -v mpirun >/dev/null; then
   echo 'skip - there is no mpirun'
   exit $bad

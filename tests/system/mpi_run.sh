@@ -4,6 +4,7 @@
 set -u
 . "$(dirname "$0")/../shell.sh" # begin, say
 begin
+{ has MPI "runs on ranks" && has HDF5 "runs on ranks"; } || exit 0
 packings=$root/tests/data/cases/packings
 same() { cmp -s "$1/history.csv" "$2/history.csv" && cmp -s "$1/rves.h5" "$2/rves.h5"; say $? "$3"; }
 

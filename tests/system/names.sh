@@ -72,7 +72,8 @@ draws() { # NAME COLUMN [YAML]: of the driven set
   if [ "$(column out/history.csv "$2_y")" = "$plain" ] && [ "$(column out/history.csv "uy_$2")" = -0.10000000000000001 ]; then ok "$1: columns of $2"
   else not_ok "$1: columns of $2" "$(head -n 1 out/history.csv)"; fi
   "$granhom" report out >said.out 2>said.err
-  if grep -qF "displacement of $4 in -y (mm)" out/report.html && grep -qF "support force on $4 in y (N)" out/report.html && grep -qF "<th>uy_$5</th>" out/report.html; then ok "$1: reported"
+  if ! has HDF5 "$1: reported"; then :
+  elif grep -qF "displacement of $4 in -y (mm)" out/report.html && grep -qF "support force on $4 in y (N)" out/report.html && grep -qF "<th>uy_$5</th>" out/report.html; then ok "$1: reported"
   else not_ok "$1: reported" "$(cat said.err)" "$(grep -o 'over [^<]*' out/report.html | head -n 2)"; fi
   if command -v gnuplot >/dev/null; then check "$1: drawn" "$granhom" plot out; fi
 }
@@ -92,7 +93,7 @@ mesh 'top edge' bottom left
 scene "'top edge'" bottom left
 sed -i "s/displace: .*/footing: [{edge: top edge, force: [0, -0.1]}]}/; s/^supports:.*/supports: [{edge: bottom, fix: both}]/" scene.yaml
 "$granhom" run scene.yaml -o footing --quiet >said.out 2>said.err
-if [ $? = 0 ] && "$granhom" report footing >/dev/null 2>>said.err && grep -qF 'settlement of the footing' footing/report.html && head -n 1 footing/history.csv | grep -q ',footing_uy_top_edge,'; then ok "a footing on 'top edge'"
+if [ $? = 0 ] && { ! has HDF5 || { "$granhom" report footing >/dev/null 2>>said.err && grep -qF 'settlement of the footing' footing/report.html; }; } && head -n 1 footing/history.csv | grep -q ',footing_uy_top_edge,'; then ok "a footing on 'top edge'"
 else not_ok "a footing on 'top edge'" "$(cat said.err)" "$(head -n 1 footing/history.csv)"; fi
 
 # ---- what is refused ----

@@ -2,6 +2,7 @@
 # Packings as LAMMPS dumps, results at the integration points, and the HTML report. SPDX-License-Identifier: GPL-2.0-or-later
 set -u
 granhom=${BUILD:-build}/granhom
+"$granhom" --version | grep -q '^HDF5 yes' || { echo "skip - reports and dumps (no HDF5)"; exit 0; }
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 cases=$(pwd)/tests/data/cases

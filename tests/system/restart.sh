@@ -4,6 +4,7 @@
 set -u
 . "$(dirname "$0")/../shell.sh" # begin, say
 begin memory
+has HDF5 "restarts" || exit 0
 packings=$root/tests/data/cases/packings
 
 # Every kind of load, supports that begin and end, friction, unsymmetric systems, packings in turn
@@ -141,7 +142,7 @@ cp keep.data p20.data
 head -c 20000 whole/checkpoint.h5 >r/checkpoint.h5; refused 'r/checkpoint.h5: is damaged: it has 20000 bytes instead of' 'a truncated file is refused'
 : >r/checkpoint.h5; refused 'the file is empty' 'an empty file is refused'
 cp p50.data r/checkpoint.h5; refused 'is damaged, or no binary file of granhom' 'a file of another kind is refused'
-cp whole/results.h5 r/checkpoint.h5; refused 'holds a results 1 of granhom, wanted is a checkpoint 5' 'another HDF5 file is refused'
+cp whole/results.h5 r/checkpoint.h5; refused 'holds a results 1 of granhom, wanted is a checkpoint 6' 'another HDF5 file is refused'
 fresh; rm r/results.h5; refused 'r/results.h5: No such file' 'missing results are reported'
 cat >flip.py <<'E'
 """flip.py FILE SEED: turns one random bit of the numbers."""

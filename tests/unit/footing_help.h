@@ -3,86 +3,11 @@
 #ifndef GRANHOM_TESTS_FOOTING_HELP_H
 #define GRANHOM_TESTS_FOOTING_HELP_H
 
-#include "../help.h"
-#include "granhom/macro.h"
-#include "macro/internal.h"
-
-static const double mu = 3, lambda = 5;
-
-typedef struct material {
-  double limit;         /* largest change of a component of F in one increment; 0: none */
-  double skew;          /* P12 += skew F21 */
-  double jump_at, jump; /* F22 below this, or once committed below this: P22 += jump; 0: none */
-} material;
-
-typedef struct point {
-  gh_context *ctx;
-  const material *m;
-  double F[4], trial[4];
-  bool jumped, trial_jumped;
-} point;
-
-static inline gh_status evaluate(void *data, const double F[4], unsigned want, double P[4], double A[16]) {
-  point *p = data;
-  const material *m = p->m;
-  double J = gh_det2(F), G[4];
-  (void)want;
-  for (int k = 0; k < 4; k++)
-    if (m->limit > 0 && fabs(F[k] - p->F[k]) > m->limit)
-      return gh_fail(p->ctx, GH_DIVERGED, "strain increment %g exceeds %g", F[k] - p->F[k], m->limit);
-  gh_inv2(F, G);
-  for (int i = 0; i < 2; i++)
-    for (int j = 0; j < 2; j++) {
-      P[2 * i + j] = mu * (F[2 * i + j] - G[2 * j + i]) + lambda * log(J) * G[2 * j + i];
-      for (int k = 0; k < 2; k++)
-        for (int l = 0; l < 2; l++)
-          A[8 * i + 4 * j + 2 * k + l] = mu * (i == k && j == l) + lambda * G[2 * j + i] * G[2 * l + k] +
-                                         (mu - lambda * log(J)) * G[2 * j + k] * G[2 * l + i];
-    }
-  P[1] += m->skew * F[2];
-  A[4 + 2] += m->skew;
-  p->trial_jumped = p->jumped || (m->jump_at > 0 && F[3] < m->jump_at);
-  if (p->trial_jumped) P[3] += m->jump;
-  memcpy(p->trial, F, sizeof p->trial);
-  return GH_OK;
-}
-
-static inline gh_status commit(void *data) {
-  point *p = data;
-  memcpy(p->F, p->trial, sizeof p->F);
-  p->jumped = p->trial_jumped;
-  return GH_OK;
-}
-
-static inline gh_status revert(void *data) {
-  (void)data;
-  return GH_OK;
-}
-
-enum { LINES = 100 };
-
-typedef struct problem {
-  gh_context *ctx;
-  gh_mesh *mesh;
-  gh_farm *farm;
-  gh_loads *loads;
-  gh_macro *macro;
-  gh_macro_report report;
-  double relative[LINES];
-  int lines, top;
-} problem;
-
-static inline void watch(void *data, const gh_macro_iteration *it) {
-  problem *p = data;
-  if (p->lines < LINES) p->relative[p->lines++] = it->relative;
-}
-
-static const material plain = {0};
+#include "../macro_help.h"
 
 /* A block 4 x 2 of 8 x 4 elements on a rough plate; the left and right sides of its top are no part of the
  * footing when `narrow`: then the set "top" is cut down to its inner five nodes. */
 static inline void make(problem *p, gh_context *ctx, const material *m, bool narrow) {
-  static const gh_point_ops ops = {evaluate, commit, revert, free, NULL};
   const double low[2] = {-2, 0}, size[2] = {4, 2};
   const int elements[2] = {8, 4};
   *p = (problem){.ctx = ctx};
@@ -94,26 +19,8 @@ static inline void make(problem *p, gh_context *ctx, const material *m, bool nar
     memmove(top->edges, top->edges + 2, 4 * sizeof *top->edges);
     top->nnodes = 5, top->nedges = 4;
   }
-  int n = 4 * p->mesh->nelements;
-  void **points = calloc((size_t)n, sizeof *points);
-  for (int k = 0; k < n; k++) {
-    point *q = points[k] = calloc(1, sizeof *q);
-    *q = (point){.ctx = ctx, .m = m, .F = {1, 0, 0, 1}, .trial = {1, 0, 0, 1}};
-  }
-  OK(gh_farm_create(ctx, n, &ops, points, &p->farm));
-  free(points);
-  gh_macro_options o = gh_macro_defaults();
-  o.tolerance = 1e-12;
-  OK(gh_macro_create(ctx, p->mesh, p->farm, &o, &p->macro));
-  OK(gh_loads_create(ctx, p->mesh, &p->loads));
-  gh_macro_set_watch(p->macro, watch, p);
-}
-
-static inline void drop(problem *p) {
-  gh_macro_destroy(&p->macro);
-  gh_loads_destroy(&p->loads);
-  gh_farm_destroy(&p->farm);
-  gh_mesh_destroy(&p->mesh);
+  const gh_macro_options o = tight();
+  make_macro(p, m, &o);
 }
 
 /* The plate below, and nothing else. */
@@ -130,13 +37,7 @@ static inline void put(problem *p, double eccentricity, double fx, double fy) {
   OK(gh_loads_footing(p->loads, p->top, at, force));
 }
 
-static inline void solve(problem *p) {
-  gh_context *ctx = p->ctx;
-  p->lines = 0;
-  OK(gh_macro_solve(p->macro, p->loads, &p->report));
-}
-
-static const gh_mesh_set *edge(const problem *p) {
+static inline const gh_mesh_set *edge(const problem *p) {
   return p->mesh->sets + p->top;
 }
 

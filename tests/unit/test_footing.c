@@ -190,7 +190,7 @@ static void test_quadratic(void **state) {
     solve(&p);
     int squared = 0;
     for (int k = 0; k + 1 < p.lines; k++) {
-      double r = p.relative[k], next = p.relative[k + 1];
+      double r = p.line[k].relative, next = p.line[k + 1].relative;
       if (r > 1e-2 || r < 1e-6) continue;
       if (!(next <= 30 * r * r + 1e-13)) fail_msg("a residual of %g is followed by %g", r, next);
       squared++;

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-2.0-or-later */
 /* The native engine with friction: closed forms of a few grains, balances, keys of contacts, the derivative
  * assembled over packings. */
-#include "native_friction_help.h"
+#include "friction_help.h"
 
 /* Two grains of radius 1 and 0.5 along x with the overlap e at n, nothing moved yet. */
 static sample two_grains(double e) {

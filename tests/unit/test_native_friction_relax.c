@@ -1,19 +1,6 @@
 /* SPDX-License-Identifier: GPL-2.0-or-later */
 /* The native engine with friction: relaxation, and what its result must not depend on. */
-#include "native_friction_help.h"
-
-/* A reference packing, deformed by F from its state of rest; no history. */
-static void case_sample(gh_context *ctx, const char *name, const double F[4], sample *s) {
-  gh_packing *p = case_packing(ctx, name);
-  *s = (sample){.n = p->n, .periodic = true};
-  assert_in_range(p->n, 1, MOST);
-  memcpy(s->radius, p->radius, (size_t)p->n * sizeof(double));
-  memcpy(s->x_n, p->x, 2 * (size_t)p->n * sizeof(double));
-  memcpy(s->cell_n, p->cell, sizeof p->cell);
-  gh_mul2(F, p->cell, s->cell);
-  for (int i = 0; i < p->n; i++) gh_apply2(F, &p->x[2 * i], &s->x[2 * i]);
-  gh_packing_destroy(&p);
-}
+#include "friction_help.h"
 
 static gh_contact_law hard(double mu) {
   return (gh_contact_law){
@@ -48,7 +35,7 @@ static void relaxation(void **state) {
   for (int i = 0; i < MOST; i += 7) held[i] = 1;
   for (int k = 0; k < 8; k++) {
     const double F[4] = {0.999, 0.002, 0, 0.9995};
-    case_sample(ctx, k & 4 ? "p20" : "p150d", F, &s);
+    case_sample(ctx, k & 4 ? "p20" : "p150d", F, 0, &s);
     gh_contact_law law = hard(0.3);
     law.fixed_rotations = k & 1;
     const unsigned char *who = k & 2 ? held : NULL;
@@ -126,7 +113,7 @@ static void lists_do_not_matter(void **state) {
   static sample s, start, end;
   unsigned long long seed = 34;
   const double F[4] = {1, 0, 0, 1};
-  case_sample(ctx, "p50d", F, &s);
+  case_sample(ctx, "p50d", F, 0, &s);
   for (int k = 0; k < 2 * s.n; k++) s.x[k] += 0.15 * s.radius[k / 2] * (uniform(&seed) - 0.5);
   start = s;
   for (int k = 0; k < 2 * s.n; k++) start.x[k] += 0.06 * s.radius[k / 2] * (uniform(&seed) - 0.5);
@@ -196,7 +183,7 @@ static void no_friction(void **state) {
   gh_relax_result r[2];
   double force[2][2 * MOST];
   int count[2];
-  case_sample(ctx, "p150d", F, &s);
+  case_sample(ctx, "p150d", F, 0, &s);
   gh_contact_law smooth = hard(0);
   smooth.friction = 0;
   gh_engine *g[2] = {make_engine(ctx, &s, hard(0), NULL), make_engine(ctx, &s, smooth, NULL)};

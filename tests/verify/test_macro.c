@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-2.0-or-later */
 /* The macro problem against closed forms: elements, loads, Newton, supports that fade. */
-#include "macro_help.h"
+#include "../macro_help.h"
 
 /* Patch test: boundary displacements of a uniform F on a distorted mesh give that F and its stress
  * everywhere, and no residual inside. */
@@ -25,19 +25,19 @@ static void test_patch(void **state) {
   neo_hooke(F, P, A);
   for (int q = 0; q < 36; q++)
     for (int k = 0; k < 4; k++) {
-      assert_near(gh_macro_F(p.macro)[4 * q + k], F[k], 1e-13);
-      assert_near(gh_macro_P(p.macro)[4 * q + k], P[k], 1e-12);
+      CLOSE(gh_macro_F(p.macro)[4 * q + k], F[k], 1e-13);
+      CLOSE(gh_macro_P(p.macro)[4 * q + k], P[k], 1e-12);
     }
   for (int k = 0; k < 4; k++) {
     const double *X = p.mesh->X + 2 * inner[k], *u = gh_macro_u(p.macro) + 2 * inner[k];
     for (int i = 0; i < 2; i++) {
-      assert_near(u[i], F[2 * i] * X[0] + F[2 * i + 1] * X[1] - X[i], 1e-11);
-      assert_near(gh_macro_reactions(p.macro)[2 * inner[k] + i], 0, 0);
+      CLOSE(u[i], F[2 * i] * X[0] + F[2 * i + 1] * X[1] - X[i], 1e-11);
+      CLOSE(gh_macro_reactions(p.macro)[2 * inner[k] + i], 0, 0);
     }
   }
   gh_macro_volumes(p.macro, &V, &v);
-  assert_near(V, 1e4, 1e-9);
-  assert_near(v, 1e4 * gh_det2(F), 1e-9);
+  CLOSE(V, 1e4, 1e-9);
+  CLOSE(v, 1e4 * gh_det2(F), 1e-9);
   drop(&p);
 }
 
@@ -66,7 +66,7 @@ static void test_stiffness(void **state) {
       gh_element_force(&s, 0, P, f[side]);
       all[dof[c]] = saved;
     }
-    for (int r = 0; r < 8; r++) assert_near(K[r][c], (f[1][r] - f[0][r]) / (2 * step), 1e-7);
+    for (int r = 0; r < 8; r++) CLOSE(K[r][c], (f[1][r] - f[0][r]) / (2 * step), 1e-7);
   }
   double x[4] = {1, 2, 4, 3}, E[4][4];
   gh_edge_stiffness(0.7, E);
@@ -77,7 +77,7 @@ static void test_stiffness(void **state) {
       y[c] += k ? 0.5 : -0.5;
       gh_edge_force(y, y + 2, 0.7, side[k]);
     }
-    for (int r = 0; r < 4; r++) assert_near(E[r][c], -(side[1][r % 2] - side[0][r % 2]), 1e-14);
+    for (int r = 0; r < 4; r++) CLOSE(E[r][c], -(side[1][r % 2] - side[0][r % 2]), 1e-14);
   }
   gh_shapes_destroy(&s);
   drop(&p);
@@ -120,11 +120,11 @@ static void test_dead_pressure(void **state) {
   press(&p, "top", 4, false);
   solve(&p);
   double x = bisect(confined, 4, 0.1, 1), sum[2];
-  for (int q = 0; q < 4; q++) assert_near(gh_macro_F(p.macro)[4 * q + 3], x, 1e-12);
+  for (int q = 0; q < 4; q++) CLOSE(gh_macro_F(p.macro)[4 * q + 3], x, 1e-12);
   gh_macro_reaction(p.macro, gh_mesh_find(p.mesh, "bottom"), sum);
-  assert_near(sum[1], 8, 1e-11);
+  CLOSE(sum[1], 8, 1e-11);
   gh_macro_reaction(p.macro, gh_mesh_find(p.mesh, "top"), sum);
-  assert_near(sum[1], 0, 0);
+  CLOSE(sum[1], 0, 0);
   drop(&p);
 }
 
@@ -148,7 +148,7 @@ static void test_search_memory(void **state) {
     solve(&p);
     double shortest = 1, x = bisect(confined, 4, 0.1, 1);
     bool rises = false;
-    for (int q = 0; q < 4; q++) assert_near(gh_macro_F(p.macro)[4 * q + 3], x, 1e-12);
+    for (int q = 0; q < 4; q++) CLOSE(gh_macro_F(p.macro)[4 * q + 3], x, 1e-12);
     for (int l = 1; l < p.lines; l++) {
       shortest = fmin(shortest, p.line[l].step);
       rises = rises || p.line[l].residual > p.line[l - 1].residual;
@@ -180,11 +180,11 @@ static void test_following_pressure(void **state) {
   solve(&p);
   double x = bisect(isotropic, 4, 0.1, 1), sum[2];
   for (int q = 0; q < 16; q++) {
-    assert_near(gh_macro_F(p.macro)[4 * q], x, 1e-12);
-    assert_near(gh_macro_F(p.macro)[4 * q + 3], x, 1e-12);
+    CLOSE(gh_macro_F(p.macro)[4 * q], x, 1e-12);
+    CLOSE(gh_macro_F(p.macro)[4 * q + 3], x, 1e-12);
   }
   gh_macro_reaction(p.macro, gh_mesh_find(p.mesh, "left"), sum);
-  assert_near(sum[0], 4 * 3 * x, 1e-10);
+  CLOSE(sum[0], 4 * 3 * x, 1e-10);
   drop(&p);
 }
 
@@ -202,9 +202,9 @@ static void test_gravity(void **state) {
   int top = gh_mesh_find(p.mesh, "top");
   double u = gh_macro_u(p.macro)[2 * p.mesh->sets[top].nodes[0] + 1],
          expected = -g * H * H / (2 * (lambda + 2 * mu)), sum[2];
-  assert_near(u / expected, 1, 1e-4);
+  CLOSE(u / expected, 1, 1e-4);
   gh_macro_reaction(p.macro, gh_mesh_find(p.mesh, "bottom"), sum);
-  assert_near(sum[1] / (g * H * W), 1, 1e-9);
+  CLOSE(sum[1] / (g * H * W), 1, 1e-9);
   drop(&p);
 }
 
@@ -229,7 +229,7 @@ static void test_balance_of_forces(void **state) {
     sum[1] += fy;
     sum[2] += (p.mesh->X[2 * a] + u[2 * a]) * fy - (p.mesh->X[2 * a + 1] + u[2 * a + 1]) * fx;
   }
-  for (int k = 0; k < 3; k++) assert_near(sum[k], 0, 1e-12);
+  for (int k = 0; k < 3; k++) CLOSE(sum[k], 0, 1e-12);
   free(outer);
   drop(&p);
 }
@@ -246,7 +246,7 @@ static void test_unload(void **state) {
     if (k == 0) press(&p, "top", 1, false);
     solve(&p);
   }
-  for (int d = 0; d < p.macro->ndof; d++) assert_near(gh_macro_u(p.macro)[d], 0, 1e-13);
+  for (int d = 0; d < p.macro->ndof; d++) CLOSE(gh_macro_u(p.macro)[d], 0, 1e-13);
   drop(&p);
 }
 
@@ -282,10 +282,10 @@ static void test_release(void **state) {
   }
   const point *q = p.points[0];
   assert_int_equal(q->commits, 4);
-  assert_near(q->committed[1][1], confined(0.9, 0), 1e-12);
-  assert_near(q->committed[2][1], 0.5 * confined(0.9, 0), 1e-12);
-  assert_near(q->committed[3][1], 0, 1e-12);
-  for (int d = 0; d < 8; d++) assert_near(gh_macro_u(p.macro)[d], 0, 1e-12);
+  CLOSE(q->committed[1][1], confined(0.9, 0), 1e-12);
+  CLOSE(q->committed[2][1], 0.5 * confined(0.9, 0), 1e-12);
+  CLOSE(q->committed[3][1], 0, 1e-12);
+  for (int d = 0; d < 8; d++) CLOSE(gh_macro_u(p.macro)[d], 0, 1e-12);
   drop(&p);
 }
 
@@ -298,5 +298,5 @@ int main(void) {
       cmocka_unit_test(test_unload),        cmocka_unit_test(test_same_again),
       cmocka_unit_test(test_release),
   };
-  return cmocka_run_group_tests(tests, make_context, drop_context);
+  return cmocka_run_group_tests(tests, open_context, close_context);
 }

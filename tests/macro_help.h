@@ -4,22 +4,10 @@
 #define GRANHOM_TESTS_MACRO_HELP_H
 
 #include "granhom/macro.h"
+#include "help.h"
 #include "macro/internal.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stdint.h>
-#include <stdlib.h>
-#include <string.h>
-
-#include <cmocka.h>
-/* cmocka's own compares as float. */
-static inline void near_at(double a, double b, double limit, const char *file, int line) {
-  if (fabs(a - b) <= limit) return;
-  print_error("%.17g and %.17g differ by more than %g\n", a, b, limit);
-  _fail(file, line);
-}
-#define assert_near(a, b, limit) near_at(a, b, limit, __FILE__, __LINE__)
+#define CLOSE(a, b, limit) NEAR(#a, a, b, limit)
 
 static const double mu = 3, lambda = 5;
 
@@ -112,7 +100,8 @@ typedef struct problem {
   point **points;
   gh_macro_report report;
   gh_macro_iteration line[LINES];
-  int lines;
+  int lines; /* of the last solution */
+  int top;   /* the set below a footing */
 } problem;
 
 static inline void watch(void *data, const gh_macro_iteration *it) {
@@ -176,8 +165,9 @@ static inline void press(problem *p, const char *edge, double pressure, bool fol
 }
 
 static inline void solve(problem *p) {
-  gh_status s = gh_macro_solve(p->macro, p->loads, &p->report);
-  if (s != GH_OK) fail_msg("%s", gh_message(p->ctx));
+  gh_context *ctx = p->ctx;
+  p->lines = 0;
+  OK(gh_macro_solve(p->macro, p->loads, &p->report));
 }
 
 /* Status must be s and the message must hold `word`. */
@@ -206,19 +196,6 @@ static inline double confined(double x, double q) {
 /* P22 + q x at F = diag(x, x): Cauchy stress -q all round. */
 static inline double isotropic(double x, double q) {
   return mu * (x - 1 / x) + 2 * lambda * log(x) / x + q * x;
-}
-
-static inline int make_context(void **state) {
-  gh_context *ctx = NULL;
-  int failed = gh_context_create(&ctx) != GH_OK;
-  *state = ctx;
-  return failed;
-}
-
-static inline int drop_context(void **state) {
-  gh_context *ctx = *state;
-  gh_context_destroy(&ctx);
-  return 0;
 }
 
 #endif

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-2.0-or-later */
-/* Packings with friction that the tests of the native engine share. */
-#ifndef GRANHOM_TESTS_NATIVE_FRICTION_HELP_H
-#define GRANHOM_TESTS_NATIVE_FRICTION_HELP_H
+/* Packings with friction that the tests of both engines share. */
+#ifndef GRANHOM_TESTS_FRICTION_HELP_H
+#define GRANHOM_TESTS_FRICTION_HELP_H
 
 #include "../help.h"
 
@@ -18,13 +18,18 @@ typedef struct sample {
   gh_slip slips[MOST_SLIPS];
 } sample;
 
-static inline gh_engine *make_engine(gh_context *ctx, const sample *s, gh_contact_law law,
-                                     const unsigned char *held) {
+static inline gh_engine *make_engine_of(gh_context *ctx, gh_engine_kind kind, const sample *s,
+                                        gh_contact_law law, const unsigned char *held) {
   gh_engine *e;
   const gh_engine_setup setup = {
       .n = s->n, .radius = s->radius, .held = held, .periodic = s->periodic, .law = law};
-  OK(gh_engine_create(ctx, GH_ENGINE_NATIVE, &setup, &e));
+  OK(gh_engine_create(ctx, kind, &setup, &e));
   return e;
+}
+
+static inline gh_engine *make_engine(gh_context *ctx, const sample *s, gh_contact_law law,
+                                     const unsigned char *held) {
+  return make_engine_of(ctx, GH_ENGINE_NATIVE, s, law, held);
 }
 
 static inline gh_converged state_n(const sample *s) {
@@ -48,12 +53,13 @@ static inline gh_contact_list evaluate(gh_context *ctx, gh_engine *e, const samp
   return list;
 }
 
-/* A random packing that overlaps, many lattice vectors apart, with a random history of its contacts at n. */
-static inline void draw(gh_context *ctx, unsigned long long *seed, int n, double largest, bool periodic,
-                        sample *s) {
+/* A random packing that overlaps, in a cell that is rotated and tilted, with grains many lattice vectors
+ * apart, and a random history of its contacts at n. */
+static inline void draw_tilted(gh_context *ctx, unsigned long long *seed, int n, double largest, double tilt,
+                               bool periodic, sample *s) {
   const double F[4] = {1 + 0.01 * (uniform(seed) - 0.5), 0.01 * (uniform(seed) - 0.5),
                        0.01 * (uniform(seed) - 0.5), 1 + 0.01 * (uniform(seed) - 0.5)},
-               T[4] = {0.6 + uniform(seed), uniform(seed) - 0.5, 0, 0.6 + uniform(seed)};
+               T[4] = {0.6 + uniform(seed), tilt * (uniform(seed) - 0.5), 0, 0.6 + uniform(seed)};
   double Q[4];
   *s = (sample){.n = n, .periodic = periodic};
   rotation(6 * uniform(seed), Q);
@@ -84,6 +90,29 @@ static inline void draw(gh_context *ctx, unsigned long long *seed, int n, double
     s->slips[c].alpha = 0.002 * largest * uniform(seed);
   }
   gh_engine_destroy(&g);
+}
+
+static inline void draw(gh_context *ctx, unsigned long long *seed, int n, double largest, bool periodic,
+                        sample *s) {
+  draw_tilted(ctx, seed, n, largest, 1, periodic, s);
+}
+
+/* A reference packing at rest, rotated by `turn` and deformed by F; no history. */
+static inline void case_sample(gh_context *ctx, const char *name, const double F[4], double turn, sample *s) {
+  gh_packing *p = case_packing(ctx, name);
+  double Q[4], QF[4];
+  *s = (sample){.n = p->n, .periodic = true};
+  assert_in_range(p->n, 1, MOST);
+  rotation(turn, Q);
+  gh_mul2(Q, F, QF);
+  memcpy(s->radius, p->radius, (size_t)p->n * sizeof(double));
+  gh_mul2(Q, p->cell, s->cell_n);
+  gh_mul2(QF, p->cell, s->cell);
+  for (int i = 0; i < p->n; i++) {
+    gh_apply2(Q, &p->x[2 * i], &s->x_n[2 * i]);
+    gh_apply2(QF, &p->x[2 * i], &s->x[2 * i]);
+  }
+  gh_packing_destroy(&p);
 }
 
 static inline gh_contact_law random_law(unsigned long long *seed, int trial) {
