@@ -76,6 +76,10 @@ static gh_status arguments_check(gh_context *ctx, void *data) {
 
 static void write_headers(job *j) {
   rve_table_header(j->out, j->args->p.rve.law.friction);
+  if (j->args->p.rve.law.friction) {
+    gh_text_print(j->out, ",");
+    gh_terms_header(j->out, columns_path, ",");
+  }
   gh_text_print(j->out, "\n");
   if (!j->tangent) return;
   gh_text_print(j->tangent, "step");
@@ -102,6 +106,7 @@ static gh_status write_row(job *j, long step, const double A[16]) {
   if (j->tangent) gh_text_get(j->tangent, &tangent_row);
   const gh_rve_measures *m = gh_rve_measure(j->rve);
   rve_table_row(j->out, step, m, m->seconds, j->args->p.rve.law.friction);
+  if (j->args->p.rve.law.friction) gh_text_print(j->out, ",%d", j->doubts.ramps);
   gh_text_print(j->out, "\n");
   if (j->tangent) {
     gh_text_print(j->tangent, "%ld", step);

@@ -30,6 +30,9 @@ const gh_term columns_friction[] = {
     {"sliding", "contacts on the Coulomb limit"},
     {0}};
 
+const gh_term columns_path[] = {
+    {"ramps", "ramps of the increment along which slip was integrated; 0: it counts from the last state"}, {0}};
+
 const gh_term columns_control[] = {
     {"load_step", "number of the step, repetitions counted; 0 the start"},
     {"volume", "det F"},

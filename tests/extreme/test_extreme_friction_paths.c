@@ -129,9 +129,9 @@ static void shear_to_two(void **state) {
         settled = settled || gh_rve_measure(rve[e])->settled;
       }
       if (!settled) WITHIN(&worst, "engines", relative(P[0], P[1], 4), 1e-8);
-      else if (k - 1 < alike) alike = k - 1;
+      else if (*b == GH_PERIODIC && k - 1 < alike) alike = k - 1;
     }
-    if (*b != GH_PERIODIC) assert_false(settled);
+    if (*b == GH_TAYLOR || *b == GH_TAYLOR_CELL) assert_false(settled);
     gh_rve_destroy(&rve[0]);
     gh_rve_destroy(&rve[1]);
   }
@@ -258,7 +258,8 @@ static void nan_never_comes_out(void **state) {
         if (!good) fail_msg("F = [%g %g; %g %g]: not finite", wild[k][0], wild[k][1], wild[k][2], wild[k][3]);
         answered++;
       } else {
-        assert_true((s == GH_INPUT || s == GH_DIVERGED) && strlen(gh_message(ctx)) > 10);
+        if (s != GH_INPUT && s != GH_DIVERGED) fail_msg("status %d: %s", s, gh_message(ctx));
+        assert_true(strlen(gh_message(ctx)) > 10);
         refused++;
       }
     }

@@ -83,7 +83,8 @@ static void footing_on_one_element(void **state) {
           OK(gh_macro_solve(p.macro, p.loads, &p.report));
         }
         gh_macro_footing(p.macro, gh_mesh_find(p.mesh, "top"), moved[k], &moved[k][2]);
-        WITHIN(&worst, "movement", relative(moved[k], moved[0], 3), 1e-9);
+        /* a ramp takes hundreds of steps, and round-off grows along them */
+        WITHIN(&worst, "movement", relative(moved[k], moved[0], 3), friction ? 2e-8 : 1e-9);
         assert_true(moved[k][1] < -1e-4);
         drop(&p);
       }

@@ -24,19 +24,18 @@ check "biaxial compression with friction" test $? = 0 -a "$(wc -l <biaxial.csv)"
 columns=step,F11,F12,F21,F22,P11,P12,P21,P22,s11,s12,s21,s22,energy,contacts,rattlers,residual,seconds
 check "the columns are those of granhom rve and those of the control" test "$(head -n 1 biaxial.csv)" = \
   $columns,energy_t,dissipation,sliding,load_step,volume,pressure,iterations,parts,cuts,jumps,mismatch
-check "nothing to say where relaxation has come to its end" test "$(grep -c 'history commit\|accepted unconverged' said)" = 0
+check "nothing to say where relaxation has come to its end" test "$(grep -c 'accepted unconverged' said)" = 0
 element --control biaxial.yaml --friction-coefficient 0.3 --max-steps 30 --accept 1 --stress-tolerance 0.1 -o taken.csv >said 2>&1
 check "--accept accepts a packing unconverged, and each increment reports it" test $? = 0 -a "$(grep -c 'step [1-9][0-9]*: accepted unconverged, with a residual of' said)" -ge 10
 awk 'BEGIN { print "F11,F12,F21,F22"; for (k = 1; k <= 240; k++) print "0.97," k / 200 ",0,0.97" }' >far.csv
 far() { "$granhom" "$1" "$root/tests/data/cases/packings/p20.data" --engine native --tangential-stiffness 0.8 --friction-angle 20 --tolerance 1e-11 \
   --path far.csv -o "$2" >said 2>&1; }
 check "sheared far" far element far_element.csv
-check "intermediate history commits are reported" grep -q 'step [1-9][0-9]*: limit cycle of the relaxation; [1-9][0-9]* intermediate history commit' said
-# The committed start has slips of round-off, where the compiler contracts products: they decide where in a limit cycle that was.
-cycle=$(sed -n 's/.*step \([0-9]*\): limit cycle.*/\1/p' said | head -n 1)
 far rve far_rve.csv
-check "with F prescribed it is granhom rve, up to the first limit cycle" awk -F, -v cycle="${cycle:-0}" 'FNR == 1 { next }
-  NR == FNR { if ($1 > 0 && $1 < cycle) for (k = 2; k < 10; k++) a[$1, k] = $k; next } FNR - 1 >= cycle { exit }
+# Behind the first ramp to rest round-off selects among many equilibria, and the committed start has slips of round-off.
+check "with F prescribed it is granhom rve, up to the first ramp" awk -F, '
+  FNR == 1 { for (k = 1; k <= NF; k++) if ($k == "ramps") c = k; next }
+  NR == FNR { for (k = 2; k < 10; k++) a[$1, k] = $k; next } $c > 0 { exit }
   { for (k = 2; k < 10; k++) if (($k - a[FNR - 1, k]) ^ 2 > (k < 6 ? 0 : 1e-18)) bad = 1; rows++ }
   END { exit bad || rows < 100 }' far_element.csv far_rve.csv
 check "consolidation ends at the pressure" table biaxial.csv \
@@ -114,10 +113,19 @@ element --control first.yaml --friction-angle 20 -o native.csv 2>/dev/null
 element --control first.yaml --friction-angle 20 --engine lammps -o lammps.csv 2>/dev/null
 check "LAMMPS and the native engine agree" awk -F, 'FNR == 1 { next } NR == FNR { for (k = 2; k < 14; k++) a[FNR, k] = $k; next }
   { for (k = 2; k < 14; k++) if (($k - a[FNR, k]) ^ 2 > 1e-14) exit 1; rows++ } END { if (rows != 6) exit 1 }' native.csv lammps.csv
-cut -d, -f1-5 pressure.csv >path.csv
 check "no bisections, no instabilities on this path" table pressure.csv 'v("parts") != 1 || v("jumps") { wrong = 1 }'
-"$granhom" rve "$sand" --engine native --normal-stiffness 50 --friction-angle 20 --tolerance 1e-10 --path path.csv -o rve.csv 2>/dev/null
-check "granhom rve along F gives the same stresses and energies" diff <(cut -d, -f1-14 pressure.csv) <(cut -d, -f1-14 rve.csv)
+# Along F slip is integrated to the last row of each increment, in an element test to the first iterate.
+for way in ramp whole; do
+  element --control pressure.yaml --friction-angle 20 --integration $way -o pressure_$way.csv 2>/dev/null
+  cut -d, -f1-5 pressure_$way.csv >path.csv
+  "$granhom" rve "$sand" --engine native --normal-stiffness 50 --friction-angle 20 --tolerance 1e-10 --integration $way --path path.csv \
+    -o rve_$way.csv 2>/dev/null
+  limit=$([ $way = ramp ] && echo 2e-3 || echo 1e-8)
+  check "granhom rve along F gives the same stresses and energies, $way" awk -F, -v limit=$limit 'FNR == 1 { next }
+    NR == FNR { for (k = 6; k < 15; k++) a[FNR, k] = $k; if ($14 > most) most = $14; next }
+    { for (k = 6; k < 15; k++) { d = $k - a[FNR, k]; if (d * d > limit * limit * 0.09) bad = 1 } rows++ }
+    END { exit bad || rows < 10 }' pressure_$way.csv rve_$way.csv
+done
 
 # --- the worked examples; a packing without friction, which rearranges on the way ---
 for test in undrained constant_pressure; do
