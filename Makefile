@@ -64,7 +64,7 @@ CFLAGS  = -std=c17 -D_XOPEN_SOURCE=700 $(FLAGS) $(CPPFLAGS_PKG) -fexceptions -fv
 CXXFLAGS = -std=c++17 $(FLAGS) $(CPPFLAGS_PKG) $(MPI_OF_LAMMPS) -isystem $(LAMMPS) -isystem src/engine/lammps/compat -DLAMMPS_SMALLBIG -DLAMMPS_LIB_MPI
 # Sanitizers look for the functions of libstdc++ when the program starts, which loads it with the LAMMPS engine alone.
 LDFLAGS = $(SAN) $(if $(SAN),-Wl$(comma)--no-as-needed -lstdc++ -Wl$(comma)--as-needed)
-LIBS_RVE = -lcholmod -lklu -lm
+LIBS_RVE = -lcholmod -lklu -lamd -lm
 LDLIBS  = -lumfpack $(LIBS_RVE) $(shell $(PKG_CONFIG) --libs $(PKGS) 2>/dev/null)
 LIBS_LAMMPS = -llammps -lumfpack $(shell $(PKG_CONFIG) --libs ompi-c 2>/dev/null) -lstdc++ -lm
 

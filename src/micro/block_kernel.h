@@ -1,0 +1,254 @@
+/* SPDX-License-Identifier: GPL-2.0-or-later */
+/* Factor and solution for one size of blocks: included with BLOCK (the size), STRIDE and SYMMETRIC (0, 1).
+ *
+ * Left-looking: a column of blocks is gathered, all earlier columns that its row meets are subtracted, its
+ * diagonal block is factorised and divides the rest. Two earlier columns with the same rows are subtracted at
+ * once, which halves the traffic. Loops over a block have constant bounds, and compilers unroll them into
+ * vectors. */
+#include "micro/block.h"
+
+#include <math.h>
+#include <string.h>
+
+enum { AREA = BLOCK * STRIDE };
+
+/* x -= l u */
+static inline void product_subtract(double *restrict x, const double *restrict l, const double *restrict u) {
+  double sum[AREA];
+  for (int k = 0; k < AREA; k++) sum[k] = x[k];
+  for (int c = 0; c < BLOCK; c++)
+    for (int m = 0; m < BLOCK; m++)
+      for (int r = 0; r < STRIDE; r++) sum[STRIDE * c + r] -= l[STRIDE * m + r] * u[STRIDE * c + m];
+  for (int k = 0; k < AREA; k++) x[k] = sum[k];
+}
+
+static void columns_subtract_one(double *restrict x, const double *restrict l, const int *restrict row,
+                                 int count, const double *restrict u) {
+  double factor[AREA];
+  memcpy(factor, u, sizeof factor);
+  for (int e = 0; e < count; e++) product_subtract(x + AREA * row[e], l + AREA * e, factor);
+}
+
+/* Two columns with the same rows. */
+static void columns_subtract_two(double *restrict x, const double *restrict l, const double *restrict l2,
+                                 const int *restrict row, int count, const double *restrict u,
+                                 const double *restrict u2) {
+  double factor[AREA], factor2[AREA];
+  memcpy(factor, u, sizeof factor);
+  memcpy(factor2, u2, sizeof factor2);
+  for (int e = 0; e < count; e++) {
+    product_subtract(x + AREA * row[e], l + AREA * e, factor);
+    product_subtract(x + AREA * row[e], l2 + AREA * e, factor2);
+  }
+}
+
+/* ---- diagonal blocks ---- */
+
+#if !SYMMETRIC
+static bool pivot_exchange(double *d, int *exchange, int c) {
+  int best = c;
+  for (int r = c + 1; r < BLOCK; r++)
+    if (fabs(d[STRIDE * c + r]) > fabs(d[STRIDE * c + best])) best = r;
+  if (best == c) return false;
+  for (int k = 0; k < BLOCK; k++) {
+    double t = d[STRIDE * k + c];
+    d[STRIDE * k + c] = d[STRIDE * k + best];
+    d[STRIDE * k + best] = t;
+  }
+  int t = exchange[c];
+  exchange[c] = exchange[best];
+  exchange[best] = t;
+  return true;
+}
+#endif
+
+/* d = P^T L U in place, the inverse pivots on its diagonal. */
+static bool diagonal_factor(gh_block_values *v, double *d, int *exchange) {
+  bool odd = false;
+  for (int c = 0; c < BLOCK; c++) exchange[c] = c;
+  for (int c = 0; c < BLOCK; c++) {
+#if !SYMMETRIC
+    if (pivot_exchange(d, exchange, c)) odd = !odd;
+#endif
+    double pivot = d[STRIDE * c + c], size = fabs(pivot);
+    if (!(SYMMETRIC ? pivot > 0 : size > 0) || !isfinite(pivot)) return false;
+    if (pivot < 0) odd = !odd;
+    v->least = size < v->least ? size : v->least;
+    v->most = size > v->most ? size : v->most;
+    d[STRIDE * c + c] = 1 / pivot;
+    for (int r = c + 1; r < BLOCK; r++) d[STRIDE * c + r] /= pivot;
+    for (int k = c + 1; k < BLOCK; k++)
+      for (int r = c + 1; r < BLOCK; r++) d[STRIDE * k + r] -= d[STRIDE * c + r] * d[STRIDE * k + c];
+  }
+  v->negative += odd;
+  return true;
+}
+
+/* l = x d^-1 */
+static inline void diagonal_divide_right(const double *restrict d, const int *restrict exchange,
+                                         const double *restrict x, double *restrict l) {
+  double w[AREA];
+  memcpy(w, x, sizeof w);
+  for (int c = 0; c < BLOCK; c++) {
+    for (int m = 0; m < c; m++)
+      for (int r = 0; r < STRIDE; r++) w[STRIDE * c + r] -= w[STRIDE * m + r] * d[STRIDE * c + m];
+    for (int r = 0; r < STRIDE; r++) w[STRIDE * c + r] *= d[STRIDE * c + c];
+  }
+  for (int c = BLOCK - 2; c >= 0; c--)
+    for (int m = c + 1; m < BLOCK; m++)
+      for (int r = 0; r < STRIDE; r++) w[STRIDE * c + r] -= w[STRIDE * m + r] * d[STRIDE * c + m];
+  for (int c = 0; c < BLOCK; c++)
+    for (int r = 0; r < STRIDE; r++) l[STRIDE * exchange[c] + r] = w[STRIDE * c + r];
+}
+
+/* y = d^-1 y */
+static inline void diagonal_divide_left(const double *restrict d, const int *restrict exchange, int ncol,
+                                        double *restrict y) {
+  double w[BLOCK * GH_BLOCK_COLUMNS];
+  for (int r = 0; r < BLOCK; r++)
+    for (int k = 0; k < ncol; k++) w[ncol * r + k] = y[ncol * exchange[r] + k];
+  for (int c = 0; c < BLOCK; c++)
+    for (int r = c + 1; r < BLOCK; r++)
+      for (int k = 0; k < ncol; k++) w[ncol * r + k] -= d[STRIDE * c + r] * w[ncol * c + k];
+  for (int c = BLOCK - 1; c >= 0; c--) {
+    for (int k = 0; k < ncol; k++) w[ncol * c + k] *= d[STRIDE * c + c];
+    for (int r = 0; r < c; r++)
+      for (int k = 0; k < ncol; k++) w[ncol * r + k] -= d[STRIDE * c + r] * w[ncol * c + k];
+  }
+  for (int k = 0; k < BLOCK * ncol; k++) y[k] = w[k];
+}
+
+/* ---- factor ---- */
+
+static void column_gather(const gh_block_pattern *p, const gh_block_values *v, int j) {
+  const size_t bytes = AREA * sizeof(double);
+  double *x = v->column;
+  if (!SYMMETRIC)
+    for (int q = p->across[j]; q < p->across[j + 1]; q++) memset(x + AREA * p->column[q], 0, bytes);
+  for (int e = p->first[j]; e < p->first[j + 1]; e++) memset(x + AREA * p->row[e], 0, bytes);
+  for (int a = p->a_first[j]; a < p->a_first[j + 1]; a++)
+    if (!SYMMETRIC || p->a_row[a] > j) memcpy(x + AREA * p->a_row[a], v->a + AREA * a, bytes);
+  memcpy(x + AREA * j, v->diagonal + AREA * j, bytes);
+}
+
+#if SYMMETRIC
+/* u of column k and row j is D_k L_jk^T, kept beside L_jk. */
+static void column_update(const gh_block_pattern *p, gh_block_values *v, int j) {
+  for (int q = p->across[j]; q < p->across[j + 1]; q++) {
+    const int k = p->column[q], e = p->entry[q], count = p->first[k + 1] - e;
+    const double *l = v->l + AREA * e, *u = v->u + AREA * e;
+    if (q + 1 < p->across[j + 1] && p->column[q + 1] == k + 1 && p->joined[k + 1]) {
+      const int e2 = p->entry[++q];
+      columns_subtract_two(v->column, l, v->l + AREA * e2, p->row + e, count, u, v->u + AREA * e2);
+    } else columns_subtract_one(v->column, l, p->row + e, count, u);
+  }
+}
+#else
+static void column_update(const gh_block_pattern *p, gh_block_values *v, int j) {
+  double *x = v->column;
+  for (int q = p->across[j]; q < p->across[j + 1]; q++) {
+    const int k = p->column[q], e = p->first[k], count = p->first[k + 1] - e;
+    const double *l = v->l + AREA * e;
+    double *u = v->u + AREA * q;
+    memcpy(u, x + AREA * k, AREA * sizeof *u);
+    if (q + 1 < p->across[j + 1] && p->column[q + 1] == k + 1 && p->joined[k + 1]) {
+      q++;
+      product_subtract(x + AREA * (k + 1), l, u);
+      memcpy(u + AREA, x + AREA * (k + 1), AREA * sizeof *u);
+      columns_subtract_two(x, l + AREA, v->l + AREA * p->first[k + 1], p->row + e + 1, count - 1, u,
+                           u + AREA);
+    } else columns_subtract_one(x, l, p->row + e, count, u);
+  }
+}
+#endif
+
+static bool block_factor(const gh_block_pattern *p, gh_block_values *v) {
+  v->least = INFINITY;
+  v->most = 0;
+  v->negative = 0;
+  for (int j = 0; j < p->n; j++) {
+    double *d = v->d + AREA * j;
+    int *exchange = v->exchange + BLOCK * j;
+    column_gather(p, v, j);
+    column_update(p, v, j);
+    memcpy(d, v->column + AREA * j, AREA * sizeof *d);
+    if (!diagonal_factor(v, d, exchange)) return false;
+    for (int e = p->first[j]; e < p->first[j + 1]; e++) {
+      const double *x = v->column + AREA * p->row[e];
+      diagonal_divide_right(d, exchange, x, v->l + AREA * e);
+#if SYMMETRIC
+      for (int c = 0; c < BLOCK; c++)
+        for (int r = 0; r < BLOCK; r++) v->u[AREA * e + STRIDE * c + r] = x[STRIDE * r + c];
+#endif
+    }
+  }
+  return true;
+}
+
+/* ---- solution ---- */
+
+/* y -= b x */
+static inline void vector_subtract(double *restrict y, const double *restrict b, const double *restrict x,
+                                   int ncol) {
+  for (int c = 0; c < BLOCK; c++)
+    for (int r = 0; r < BLOCK; r++)
+      for (int k = 0; k < ncol; k++) y[ncol * r + k] -= b[STRIDE * c + r] * x[ncol * c + k];
+}
+
+#if SYMMETRIC
+/* y -= b^T x */
+static inline void vector_subtract_transposed(double *restrict y, const double *restrict b,
+                                              const double *restrict x, int ncol) {
+  for (int r = 0; r < BLOCK; r++)
+    for (int c = 0; c < BLOCK; c++)
+      for (int k = 0; k < ncol; k++) y[ncol * r + k] -= b[STRIDE * r + c] * x[ncol * c + k];
+}
+#endif
+
+static inline __attribute__((always_inline)) void columns_solve(const gh_block_pattern *p, gh_block_values *v,
+                                                                int ncol) {
+  const int step = BLOCK * ncol;
+  double *y = v->y, own[BLOCK * GH_BLOCK_COLUMNS];
+  for (int j = 0; j < p->n; j++) {
+    for (int k = 0; k < step; k++) own[k] = y[step * j + k];
+    for (int e = p->first[j]; e < p->first[j + 1]; e++)
+      vector_subtract(y + step * p->row[e], v->l + AREA * e, own, ncol);
+  }
+  if (SYMMETRIC)
+    for (int j = 0; j < p->n; j++)
+      diagonal_divide_left(v->d + AREA * j, v->exchange + BLOCK * j, ncol, y + step * j);
+  for (int j = p->n - 1; j >= 0; j--) {
+    for (int k = 0; k < step; k++) own[k] = y[step * j + k];
+#if SYMMETRIC
+    for (int e = p->first[j]; e < p->first[j + 1]; e++)
+      vector_subtract_transposed(own, v->l + AREA * e, y + step * p->row[e], ncol);
+#else
+    diagonal_divide_left(v->d + AREA * j, v->exchange + BLOCK * j, ncol, own);
+    for (int q = p->across[j]; q < p->across[j + 1]; q++)
+      vector_subtract(y + step * p->column[q], v->u + AREA * q, own, ncol);
+#endif
+    for (int k = 0; k < step; k++) y[step * j + k] = own[k];
+  }
+}
+
+static void block_solve(const gh_block_pattern *p, gh_block_values *v, int ncol) {
+  if (ncol == 1) columns_solve(p, v, 1);
+  else columns_solve(p, v, GH_BLOCK_COLUMNS);
+}
+
+static inline __attribute__((always_inline)) void product_of_columns(const gh_block_pattern *p,
+                                                                     const gh_block_values *v, int ncol,
+                                                                     const double *x, double *r) {
+  const int step = BLOCK * ncol;
+  for (int j = 0; j < p->n; j++) {
+    vector_subtract(r + step * j, v->diagonal + AREA * j, x + step * j, ncol);
+    for (int a = p->a_first[j]; a < p->a_first[j + 1]; a++)
+      vector_subtract(r + step * p->a_row[a], v->a + AREA * a, x + step * j, ncol);
+  }
+}
+
+static void block_subtract(const gh_block_pattern *p, const gh_block_values *v, int ncol, const double *x,
+                           double *r) {
+  if (ncol == 1) product_of_columns(p, v, 1, x, r);
+  else product_of_columns(p, v, GH_BLOCK_COLUMNS, x, r);
+}
