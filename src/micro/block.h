@@ -56,15 +56,17 @@ typedef struct gh_block_values {
   int *exchange;      /* n x size: rows of a diagonal block in the order of their pivots */
   double *column;     /* n: the column that is made */
   double *y;          /* n x size x GH_BLOCK_COLUMNS: right-hand sides, then solutions, by place */
+  double negligible;  /* pivots up to this are none; symmetric matrices: those up to zero */
   double least, most; /* magnitudes of pivots */
   int negative;       /* diagonal blocks with a negative determinant */
+  bool singular;      /* a pivot is none, and no other row has one in its place */
 } gh_block_values;
 
 /* One size of blocks. */
 typedef struct gh_block_kernel {
   int size, stride;
   /* Symmetric: from the blocks of A below the diagonal (rows after columns) alone, without exchanges; false:
-   * a pivot is not positive. Else false: a pivot is zero or not finite. */
+   * a pivot is not positive. Else false: a pivot is negligible or not finite. */
   bool symmetric;
   bool (*factor)(const gh_block_pattern *p, gh_block_values *v);
   /* Solves in v->y, where each number is a row of `ncol` columns (1 or GH_BLOCK_COLUMNS). */

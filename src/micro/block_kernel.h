@@ -12,13 +12,23 @@
 
 enum { AREA = BLOCK * STRIDE };
 
+/* *x -= a b, in one instruction where there is one. */
+static inline void product_take(double *x, double a, double b) {
+#ifdef FP_FAST_FMA
+  *x = fma(-a, b, *x);
+#else
+  *x -= a * b;
+#endif
+}
+
 /* x -= l u */
 static inline void product_subtract(double *restrict x, const double *restrict l, const double *restrict u) {
   double sum[AREA];
   for (int k = 0; k < AREA; k++) sum[k] = x[k];
   for (int c = 0; c < BLOCK; c++)
     for (int m = 0; m < BLOCK; m++)
-      for (int r = 0; r < STRIDE; r++) sum[STRIDE * c + r] -= l[STRIDE * m + r] * u[STRIDE * c + m];
+      for (int r = 0; r < STRIDE; r++)
+        product_take(&sum[STRIDE * c + r], l[STRIDE * m + r], u[STRIDE * c + m]);
   for (int k = 0; k < AREA; k++) x[k] = sum[k];
 }
 
@@ -62,8 +72,9 @@ static bool pivot_exchange(double *d, int *exchange, int c) {
 }
 #endif
 
-/* d = P^T L U in place, the inverse pivots on its diagonal. */
-static bool diagonal_factor(gh_block_values *v, double *d, int *exchange) {
+/* d = P^T L U in place, the inverse pivots on its diagonal. Returns the number of pivots: BLOCK, or less where
+ * the next one is too small. */
+static int diagonal_factor(gh_block_values *v, double *d, int *exchange) {
   bool odd = false;
   for (int c = 0; c < BLOCK; c++) exchange[c] = c;
   for (int c = 0; c < BLOCK; c++) {
@@ -71,17 +82,24 @@ static bool diagonal_factor(gh_block_values *v, double *d, int *exchange) {
     if (pivot_exchange(d, exchange, c)) odd = !odd;
 #endif
     double pivot = d[STRIDE * c + c], size = fabs(pivot);
-    if (!(SYMMETRIC ? pivot > 0 : size > 0) || !isfinite(pivot)) return false;
+    if (!(SYMMETRIC ? pivot > 0 : size > v->negligible) || !isfinite(pivot)) return c;
     if (pivot < 0) odd = !odd;
     v->least = size < v->least ? size : v->least;
     v->most = size > v->most ? size : v->most;
     d[STRIDE * c + c] = 1 / pivot;
     for (int r = c + 1; r < BLOCK; r++) d[STRIDE * c + r] /= pivot;
     for (int k = c + 1; k < BLOCK; k++)
-      for (int r = c + 1; r < BLOCK; r++) d[STRIDE * k + r] -= d[STRIDE * c + r] * d[STRIDE * k + c];
+      for (int r = c + 1; r < BLOCK; r++)
+        product_take(&d[STRIDE * k + r], d[STRIDE * c + r], d[STRIDE * k + c]);
   }
   v->negative += odd;
-  return true;
+  return BLOCK;
+}
+
+/* Column c of a block row over the upper triangle of a diagonal block whose first c pivots are made. */
+static inline void column_divide(const double *restrict d, int c, double *restrict w) {
+  for (int m = 0; m < c; m++)
+    for (int r = 0; r < STRIDE; r++) product_take(&w[STRIDE * c + r], w[STRIDE * m + r], d[STRIDE * c + m]);
 }
 
 /* l = x d^-1 */
@@ -90,13 +108,12 @@ static inline void diagonal_divide_right(const double *restrict d, const int *re
   double w[AREA];
   memcpy(w, x, sizeof w);
   for (int c = 0; c < BLOCK; c++) {
-    for (int m = 0; m < c; m++)
-      for (int r = 0; r < STRIDE; r++) w[STRIDE * c + r] -= w[STRIDE * m + r] * d[STRIDE * c + m];
+    column_divide(d, c, w);
     for (int r = 0; r < STRIDE; r++) w[STRIDE * c + r] *= d[STRIDE * c + c];
   }
   for (int c = BLOCK - 2; c >= 0; c--)
     for (int m = c + 1; m < BLOCK; m++)
-      for (int r = 0; r < STRIDE; r++) w[STRIDE * c + r] -= w[STRIDE * m + r] * d[STRIDE * c + m];
+      for (int r = 0; r < STRIDE; r++) product_take(&w[STRIDE * c + r], w[STRIDE * m + r], d[STRIDE * c + m]);
   for (int c = 0; c < BLOCK; c++)
     for (int r = 0; r < STRIDE; r++) l[STRIDE * exchange[c] + r] = w[STRIDE * c + r];
 }
@@ -109,11 +126,11 @@ static inline void diagonal_divide_left(const double *restrict d, const int *res
     for (int k = 0; k < ncol; k++) w[ncol * r + k] = y[ncol * exchange[r] + k];
   for (int c = 0; c < BLOCK; c++)
     for (int r = c + 1; r < BLOCK; r++)
-      for (int k = 0; k < ncol; k++) w[ncol * r + k] -= d[STRIDE * c + r] * w[ncol * c + k];
+      for (int k = 0; k < ncol; k++) product_take(&w[ncol * r + k], d[STRIDE * c + r], w[ncol * c + k]);
   for (int c = BLOCK - 1; c >= 0; c--) {
     for (int k = 0; k < ncol; k++) w[ncol * c + k] *= d[STRIDE * c + c];
     for (int r = 0; r < c; r++)
-      for (int k = 0; k < ncol; k++) w[ncol * r + k] -= d[STRIDE * c + r] * w[ncol * c + k];
+      for (int k = 0; k < ncol; k++) product_take(&w[ncol * r + k], d[STRIDE * c + r], w[ncol * c + k]);
   }
   for (int k = 0; k < BLOCK * ncol; k++) y[k] = w[k];
 }
@@ -162,17 +179,46 @@ static void column_update(const gh_block_pattern *p, gh_block_values *v, int j) 
 }
 #endif
 
+#if !SYMMETRIC
+/* Whether nothing is left of a column of numbers at all, below its diagonal block as in it: then the matrix is
+ * singular, and exchanges of rows between blocks would not help. */
+static bool column_vanishes(const gh_block_pattern *p, const gh_block_values *v, int j, int pivots) {
+  const double *d = v->d + AREA * j;
+  double largest = 0;
+  for (int e = p->first[j]; e < p->first[j + 1]; e++) {
+    double w[AREA];
+    memcpy(w, v->column + AREA * p->row[e], sizeof w);
+    for (int c = 0; c <= pivots; c++) {
+      column_divide(d, c, w);
+      for (int r = 0; r < STRIDE && c < pivots; r++) w[STRIDE * c + r] *= d[STRIDE * c + c];
+    }
+    for (int r = 0; r < STRIDE; r++) {
+      const double size = fabs(w[STRIDE * pivots + r]);
+      if (!(size <= largest)) largest = size; /* NaN stays */
+    }
+  }
+  return largest <= v->negligible && isfinite(d[(STRIDE + 1) * pivots]);
+}
+#endif
+
 static bool block_factor(const gh_block_pattern *p, gh_block_values *v) {
   v->least = INFINITY;
   v->most = 0;
   v->negative = 0;
+  v->singular = false;
   for (int j = 0; j < p->n; j++) {
     double *d = v->d + AREA * j;
     int *exchange = v->exchange + BLOCK * j;
     column_gather(p, v, j);
     column_update(p, v, j);
     memcpy(d, v->column + AREA * j, AREA * sizeof *d);
-    if (!diagonal_factor(v, d, exchange)) return false;
+    const int pivots = diagonal_factor(v, d, exchange);
+    if (pivots < BLOCK) {
+#if !SYMMETRIC
+      v->singular = column_vanishes(p, v, j, pivots);
+#endif
+      return false;
+    }
     for (int e = p->first[j]; e < p->first[j + 1]; e++) {
       const double *x = v->column + AREA * p->row[e];
       diagonal_divide_right(d, exchange, x, v->l + AREA * e);
@@ -192,7 +238,7 @@ static inline void vector_subtract(double *restrict y, const double *restrict b,
                                    int ncol) {
   for (int c = 0; c < BLOCK; c++)
     for (int r = 0; r < BLOCK; r++)
-      for (int k = 0; k < ncol; k++) y[ncol * r + k] -= b[STRIDE * c + r] * x[ncol * c + k];
+      for (int k = 0; k < ncol; k++) product_take(&y[ncol * r + k], b[STRIDE * c + r], x[ncol * c + k]);
 }
 
 #if SYMMETRIC
@@ -201,7 +247,7 @@ static inline void vector_subtract_transposed(double *restrict y, const double *
                                               const double *restrict x, int ncol) {
   for (int r = 0; r < BLOCK; r++)
     for (int c = 0; c < BLOCK; c++)
-      for (int k = 0; k < ncol; k++) y[ncol * r + k] -= b[STRIDE * r + c] * x[ncol * c + k];
+      for (int k = 0; k < ncol; k++) product_take(&y[ncol * r + k], b[STRIDE * r + c], x[ncol * c + k]);
 }
 #endif
 

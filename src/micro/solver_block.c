@@ -5,8 +5,8 @@
  * Rotations are counted in r theta: forces and moments over r then have one unit. A grain of which some
  * unknowns are fixed keeps its whole block, with a diagonal row in the place of what is fixed.
  *
- * KLU (CHOLMOD) solves where the block factor is no good: a pivot of LU that is next to zero, or a solution
- * that does not fit.
+ * KLU (CHOLMOD) solves where the block factor is no good: LU comes to a pivot of zero that exchanges of rows
+ * between grains would avoid, or a solution does not fit.
  *
  * What is solved depends on the contacts and the input alone: the order of elimination is that of the current
  * graph, and an order is kept only for the same graph. So an RVE gives the same bits whatever the workspace
@@ -17,9 +17,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Pivots over the largest. LU below this may be singular: KLU decides. A symmetric matrix below the other is
- * semidefinite to round-off. */
-static const double small_pivot = 1e-12, least_pivot = 1e-15;
+/* Pivots with friction over the largest entry: what is less is round-off. Symmetric: over the largest pivot;
+ * the matrix is semidefinite to round-off. */
+static const double negligible_pivot = 1e-14, least_pivot = 1e-15;
 /* Largest residual of a solve, over the sizes of both sides. */
 static const double good_fit = 1e-12;
 
@@ -264,12 +264,13 @@ static gh_status block_factor_stiffness(gh_context *ctx, gh_solver *base, const 
   s->shift = shift > 0 ? shift : 0;
   GH_TRY(pattern_make(ctx, s, in));
   GH_TRY(matrix_assemble(ctx, s, in, s->shift));
-  const gh_block_values *v = &s->values;
+  gh_block_values *v = &s->values;
+  v->negligible = negligible_pivot * s->size;
   const bool complete = s->kernel->factor(&s->pattern, &s->values);
   base->factorisations++;
   base->negative = complete ? v->negative : -1;
-  *good = complete && v->least > (s->symmetric ? least_pivot : small_pivot) * v->most;
-  if (*good || s->symmetric) return GH_OK;
+  *good = complete && (!s->symmetric || v->least > least_pivot * v->most);
+  if (*good || s->symmetric || v->singular) return GH_OK;
   GH_TRY(spare_factor(ctx, s, good));
   s->on_spare = *good;
   return GH_OK;
