@@ -131,6 +131,8 @@ $(BUILD)/%.cpp.o: %.cpp Makefile $(BUILD)/choice | $(PRESENT)
 	@echo "  CXX  $<"
 	@$(CXX) $(CXXFLAGS) -MMD -MP -c $< -o $@
 $(BUILD)/src/engine/module_load.c.o: CFLAGS += -DGH_MODULE_LAMMPS=$(LAMMPS_VERSION)
+# Products and sums of blocks in one instruction where there is one.
+$(BUILD)/src/micro/block_%.c.o: CFLAGS += -ffp-contract=fast
 $(LIB): $(OBJ)
 	@rm -f $@
 	@ar rcs $@ $^

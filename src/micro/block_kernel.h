@@ -2,8 +2,8 @@
 /* Factor and solution for one size of blocks: included with BLOCK (the size), STRIDE and SYMMETRIC (0, 1).
  *
  * Left-looking: a column of blocks is gathered, all earlier columns that its row meets are subtracted, its
- * diagonal block is factorised and divides the rest. Two earlier columns with the same rows are subtracted at
- * once, which halves the traffic. Loops over a block have constant bounds, and compilers unroll them into
+ * diagonal block is factorised and divides the rest. Some earlier columns with the same rows are subtracted at
+ * once, which saves traffic. Loops over a block have constant bounds, and compilers unroll them into
  * vectors. */
 #include "micro/block.h"
 
@@ -11,44 +11,66 @@
 #include <string.h>
 
 enum { AREA = BLOCK * STRIDE };
+/* Columns that are subtracted at once: as many as registers hold the factors of. */
+#define WIDEST (BLOCK > 2 ? 2 : 4)
 
-/* *x -= a b, in one instruction where there is one. */
-static inline void product_take(double *x, double a, double b) {
-#ifdef FP_FAST_FMA
-  *x = fma(-a, b, *x);
-#else
-  *x -= a * b;
-#endif
+/* A column of a block. */
+typedef double lanes __attribute__((vector_size(STRIDE * sizeof(double))));
+
+static inline __attribute__((always_inline)) lanes lanes_load(const double *a) {
+  lanes v;
+  memcpy(&v, a, sizeof v);
+  return v;
 }
 
-/* x -= l u */
-static inline void product_subtract(double *restrict x, const double *restrict l, const double *restrict u) {
-  double sum[AREA];
-  for (int k = 0; k < AREA; k++) sum[k] = x[k];
-  for (int c = 0; c < BLOCK; c++)
-    for (int m = 0; m < BLOCK; m++)
-      for (int r = 0; r < STRIDE; r++)
-        product_take(&sum[STRIDE * c + r], l[STRIDE * m + r], u[STRIDE * c + m]);
-  for (int k = 0; k < AREA; k++) x[k] = sum[k];
+static inline __attribute__((always_inline)) void lanes_store(double *a, lanes v) {
+  memcpy(a, &v, sizeof v);
 }
 
-static void columns_subtract_one(double *restrict x, const double *restrict l, const int *restrict row,
-                                 int count, const double *restrict u) {
-  double factor[AREA];
-  memcpy(factor, u, sizeof factor);
-  for (int e = 0; e < count; e++) product_subtract(x + AREA * row[e], l + AREA * e, factor);
-}
-
-/* Two columns with the same rows. */
-static void columns_subtract_two(double *restrict x, const double *restrict l, const double *restrict l2,
-                                 const int *restrict row, int count, const double *restrict u,
-                                 const double *restrict u2) {
-  double factor[AREA], factor2[AREA];
-  memcpy(factor, u, sizeof factor);
-  memcpy(factor2, u2, sizeof factor2);
+/* Earlier columns with the same rows: x -= sum of l u, over `width` of them. */
+static inline __attribute__((always_inline)) void columns_subtract_sized(int width, double *restrict x,
+                                                                         const double *const *l,
+                                                                         const double *const *u,
+                                                                         const int *restrict row, int count) {
+  double factor[WIDEST][AREA];
+  for (int w = 0; w < width; w++) memcpy(factor[w], u[w], sizeof factor[w]);
   for (int e = 0; e < count; e++) {
-    product_subtract(x + AREA * row[e], l + AREA * e, factor);
-    product_subtract(x + AREA * row[e], l2 + AREA * e, factor2);
+    double *to = x + AREA * row[e];
+    lanes sum[BLOCK];
+    for (int c = 0; c < BLOCK; c++) sum[c] = lanes_load(to + STRIDE * c);
+    for (int w = 0; w < width; w++)
+      for (int m = 0; m < BLOCK; m++) {
+        const lanes left = lanes_load(l[w] + AREA * e + STRIDE * m);
+        for (int c = 0; c < BLOCK; c++) sum[c] -= left * factor[w][STRIDE * c + m];
+      }
+    for (int c = 0; c < BLOCK; c++) lanes_store(to + STRIDE * c, sum[c]);
+  }
+}
+
+#if !SYMMETRIC
+/* x -= l u */
+static void product_subtract(double *restrict x, const double *l, const double *u) {
+  static const int own = 0;
+  columns_subtract_sized(1, x, &l, &u, &own, 1);
+}
+#endif
+
+static void columns_subtract(int width, double *restrict x, const double *const *l, const double *const *u,
+                             const int *restrict row, int count) {
+  switch (width) {
+#if BLOCK <= 2
+  case 4:
+    columns_subtract_sized(4, x, l, u, row, count);
+    return;
+  case 3:
+    columns_subtract_sized(3, x, l, u, row, count);
+    return;
+#endif
+  case 2:
+    columns_subtract_sized(2, x, l, u, row, count);
+    return;
+  default:
+    columns_subtract_sized(1, x, l, u, row, count);
   }
 }
 
@@ -89,8 +111,7 @@ static int diagonal_factor(gh_block_values *v, double *d, int *exchange) {
     d[STRIDE * c + c] = 1 / pivot;
     for (int r = c + 1; r < BLOCK; r++) d[STRIDE * c + r] /= pivot;
     for (int k = c + 1; k < BLOCK; k++)
-      for (int r = c + 1; r < BLOCK; r++)
-        product_take(&d[STRIDE * k + r], d[STRIDE * c + r], d[STRIDE * k + c]);
+      for (int r = c + 1; r < BLOCK; r++) d[STRIDE * k + r] -= d[STRIDE * c + r] * d[STRIDE * k + c];
   }
   v->negative += odd;
   return BLOCK;
@@ -99,7 +120,7 @@ static int diagonal_factor(gh_block_values *v, double *d, int *exchange) {
 /* Column c of a block row over the upper triangle of a diagonal block whose first c pivots are made. */
 static inline void column_divide(const double *restrict d, int c, double *restrict w) {
   for (int m = 0; m < c; m++)
-    for (int r = 0; r < STRIDE; r++) product_take(&w[STRIDE * c + r], w[STRIDE * m + r], d[STRIDE * c + m]);
+    for (int r = 0; r < STRIDE; r++) w[STRIDE * c + r] -= w[STRIDE * m + r] * d[STRIDE * c + m];
 }
 
 /* l = x d^-1 */
@@ -113,7 +134,7 @@ static inline void diagonal_divide_right(const double *restrict d, const int *re
   }
   for (int c = BLOCK - 2; c >= 0; c--)
     for (int m = c + 1; m < BLOCK; m++)
-      for (int r = 0; r < STRIDE; r++) product_take(&w[STRIDE * c + r], w[STRIDE * m + r], d[STRIDE * c + m]);
+      for (int r = 0; r < STRIDE; r++) w[STRIDE * c + r] -= w[STRIDE * m + r] * d[STRIDE * c + m];
   for (int c = 0; c < BLOCK; c++)
     for (int r = 0; r < STRIDE; r++) l[STRIDE * exchange[c] + r] = w[STRIDE * c + r];
 }
@@ -126,11 +147,11 @@ static inline void diagonal_divide_left(const double *restrict d, const int *res
     for (int k = 0; k < ncol; k++) w[ncol * r + k] = y[ncol * exchange[r] + k];
   for (int c = 0; c < BLOCK; c++)
     for (int r = c + 1; r < BLOCK; r++)
-      for (int k = 0; k < ncol; k++) product_take(&w[ncol * r + k], d[STRIDE * c + r], w[ncol * c + k]);
+      for (int k = 0; k < ncol; k++) w[ncol * r + k] -= d[STRIDE * c + r] * w[ncol * c + k];
   for (int c = BLOCK - 1; c >= 0; c--) {
     for (int k = 0; k < ncol; k++) w[ncol * c + k] *= d[STRIDE * c + c];
     for (int r = 0; r < c; r++)
-      for (int k = 0; k < ncol; k++) product_take(&w[ncol * r + k], d[STRIDE * c + r], w[ncol * c + k]);
+      for (int k = 0; k < ncol; k++) w[ncol * r + k] -= d[STRIDE * c + r] * w[ncol * c + k];
   }
   for (int k = 0; k < BLOCK * ncol; k++) y[k] = w[k];
 }
@@ -148,33 +169,44 @@ static void column_gather(const gh_block_pattern *p, const gh_block_values *v, i
   memcpy(x + AREA * j, v->diagonal + AREA * j, bytes);
 }
 
+/* How many of the columns of row j from q on have the same rows. */
+static int columns_alike(const gh_block_pattern *p, int j, int q) {
+  int width = 1;
+  while (width < WIDEST && q + width < p->across[j + 1] && p->column[q + width] == p->column[q] + width &&
+         p->joined[p->column[q + width]])
+    width++;
+  return width;
+}
+
 #if SYMMETRIC
 /* u of column k and row j is D_k L_jk^T, kept beside L_jk. */
 static void column_update(const gh_block_pattern *p, gh_block_values *v, int j) {
-  for (int q = p->across[j]; q < p->across[j + 1]; q++) {
-    const int k = p->column[q], e = p->entry[q], count = p->first[k + 1] - e;
-    const double *l = v->l + AREA * e, *u = v->u + AREA * e;
-    if (q + 1 < p->across[j + 1] && p->column[q + 1] == k + 1 && p->joined[k + 1]) {
-      const int e2 = p->entry[++q];
-      columns_subtract_two(v->column, l, v->l + AREA * e2, p->row + e, count, u, v->u + AREA * e2);
-    } else columns_subtract_one(v->column, l, p->row + e, count, u);
+  for (int q = p->across[j], width; q < p->across[j + 1]; q += width) {
+    const int e = p->entry[q], count = p->first[p->column[q] + 1] - e;
+    const double *l[WIDEST], *u[WIDEST];
+    width = columns_alike(p, j, q);
+    for (int w = 0; w < width; w++)
+      l[w] = v->l + AREA * p->entry[q + w], u[w] = v->u + AREA * p->entry[q + w];
+    columns_subtract(width, v->column, l, u, p->row + e, count);
   }
 }
 #else
+/* u of column k and row j is what earlier columns have left there, columns alike among them. */
 static void column_update(const gh_block_pattern *p, gh_block_values *v, int j) {
   double *x = v->column;
-  for (int q = p->across[j]; q < p->across[j + 1]; q++) {
-    const int k = p->column[q], e = p->first[k], count = p->first[k + 1] - e;
-    const double *l = v->l + AREA * e;
-    double *u = v->u + AREA * q;
-    memcpy(u, x + AREA * k, AREA * sizeof *u);
-    if (q + 1 < p->across[j + 1] && p->column[q + 1] == k + 1 && p->joined[k + 1]) {
-      q++;
-      product_subtract(x + AREA * (k + 1), l, u);
-      memcpy(u + AREA, x + AREA * (k + 1), AREA * sizeof *u);
-      columns_subtract_two(x, l + AREA, v->l + AREA * p->first[k + 1], p->row + e + 1, count - 1, u,
-                           u + AREA);
-    } else columns_subtract_one(x, l, p->row + e, count, u);
+  for (int q = p->across[j], width; q < p->across[j + 1]; q += width) {
+    const int k = p->column[q];
+    const double *l[WIDEST], *u[WIDEST];
+    width = columns_alike(p, j, q);
+    for (int w = 0; w < width; w++) {
+      double *own = v->u + AREA * (q + w);
+      memcpy(own, x + AREA * (k + w), AREA * sizeof *own);
+      for (int m = 0; m < w; m++) product_subtract(own, v->l + AREA * (p->first[k + m] + w - m - 1), u[m]);
+      u[w] = own;
+      l[w] = v->l + AREA * (p->first[k + w] + width - w - 1);
+    }
+    const int e = p->first[k + width - 1];
+    columns_subtract(width, x, l, u, p->row + e, p->first[k + width] - e);
   }
 }
 #endif
@@ -238,7 +270,7 @@ static inline void vector_subtract(double *restrict y, const double *restrict b,
                                    int ncol) {
   for (int c = 0; c < BLOCK; c++)
     for (int r = 0; r < BLOCK; r++)
-      for (int k = 0; k < ncol; k++) product_take(&y[ncol * r + k], b[STRIDE * c + r], x[ncol * c + k]);
+      for (int k = 0; k < ncol; k++) y[ncol * r + k] -= b[STRIDE * c + r] * x[ncol * c + k];
 }
 
 #if SYMMETRIC
@@ -247,7 +279,7 @@ static inline void vector_subtract_transposed(double *restrict y, const double *
                                               const double *restrict x, int ncol) {
   for (int r = 0; r < BLOCK; r++)
     for (int c = 0; c < BLOCK; c++)
-      for (int k = 0; k < ncol; k++) product_take(&y[ncol * r + k], b[STRIDE * r + c], x[ncol * c + k]);
+      for (int k = 0; k < ncol; k++) y[ncol * r + k] -= b[STRIDE * r + c] * x[ncol * c + k];
 }
 #endif
 
