@@ -58,16 +58,23 @@ struct gh_solver {
   double *rhs;    /* n x 4, column-major */
   size_t rhs_capacity;
   long analyses, factorisations;
+  long fallbacks; /* of `factorisations`: done again by another solver */
+  int negative;   /* diagonal blocks of the last factor with a negative determinant; -1: not known */
 };
 
-/* Without friction: positions, symmetric. With friction: positions and rotations, unsymmetric. */
+/* Blocks of a grain each; symmetric: without friction. What a solver gives is a function of its input alone
+ * (solver_block.c). */
+gh_status gh_solver_block(gh_context *ctx, int members, bool symmetric, gh_solver **s);
+/* What it falls back on. Without friction: positions, symmetric. With friction: positions and rotations,
+ * unsymmetric. */
 gh_status gh_solver_cholmod(gh_context *ctx, int members, gh_solver **s);
 gh_status gh_solver_klu(gh_context *ctx, int members, gh_solver **s);
 void gh_solver_destroy(gh_solver **s);
 /* Numbers the unknowns: positions where they are not fixed, rotations where they are unknown. */
 gh_status gh_solver_number(gh_context *ctx, gh_solver *s, const gh_solver_input *in);
 /* Assembles and factorises K of the contacts; `shift` is added to the diagonal, times r^2 for rotations.
- * *good: the factor can be used: K is positive definite (CHOLMOD), regular (KLU). */
+ * *good: the factor can be used: K is positive definite (without friction), regular (with it). What `in`
+ * points to stays as it is until the last solve with this factor. */
 gh_status gh_solver_factor(gh_context *ctx, gh_solver *s, const gh_solver_input *in, double shift,
                            bool *good);
 /* Solves K X = B for ncol <= 4 columns in s->rhs (column-major, s->n rows); *X is valid until the next solve.

@@ -106,8 +106,7 @@ static gh_status rve_make_state(gh_rve *r) {
 static gh_status rve_make_solver(gh_rve *r) {
   if (!gh_rve_solves(r)) return GH_OK;
   GH_TRY(gh_rattlers_create(r->ctx, r->n, &r->rattlers));
-  return gh_rve_friction(r) ? gh_solver_klu(r->ctx, r->n, &r->solver)
-                            : gh_solver_cholmod(r->ctx, r->n, &r->solver);
+  return gh_solver_block(r->ctx, r->n, !gh_rve_friction(r), &r->solver);
 }
 
 gh_status gh_rve_create(gh_context *ctx, const gh_packing *packing, const gh_rve_options *options,

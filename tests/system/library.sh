@@ -13,7 +13,7 @@ lib=$work/prefix/lib
 
 # --- what they need ---
 needed() { readelf -d "$1" | sed -n 's/.*(NEEDED).*\[\(.*\)\]/\1/p'; }
-others() { needed "$1" | grep -vE '^(lib(cholmod|klu|umfpack|suitesparseconfig|m|c)|ld-linux[^.]*)\.so'; }
+others() { needed "$1" | grep -vE '^(lib(amd|cholmod|klu|umfpack|suitesparseconfig|m|c)|ld-linux[^.]*)\.so'; }
 check "libgranhom-rve needs SuiteSparse, libc and libm alone" test -z "$(others "$lib/libgranhom-rve.so")"
 check "it loads no MPI, HDF5, YAML, cairo or LAMMPS" test -z "$(ldd "$lib/libgranhom-rve.so" | grep -E 'mpi|hdf5|yaml|cjson|cairo|lammps|python|xxhash|stdc')"
 check "libgranhom is not linked to LAMMPS" test -z "$(ldd "$lib/libgranhom.so" | grep -E 'lammps|python|stdc')"

@@ -215,7 +215,7 @@ static void ramp_to_rest(void **state) {
     o.law = (gh_contact_law){.normal_stiffness = 1,
                              .friction = 1,
                              .tangential_stiffness = 0.8,
-                             .friction_coefficient = tan(20 * help_pi / 180)};
+                             .friction_coefficient = tan(17.5 * help_pi / 180)};
     gh_rve *rve;
     const gh_rve_measures *m;
     double F[4] = {0.97, 0, 0, 0.97}, P[4], Q[4], A[16], *near;
