@@ -92,6 +92,7 @@ typedef struct gh_ramp {
   double tolerance; /* of the residual at the end */
   long max_steps;   /* > steps */
   double floor;     /* as in gh_relax_options */
+  double round_off; /* unbalanced force that round-off may leave: at or below it the packing is at rest */
 } gh_ramp;
 
 typedef struct gh_ramp_result {

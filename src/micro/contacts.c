@@ -42,12 +42,16 @@ gh_status gh_rve_update_contacts(gh_rve *r) {
   return GH_OK;
 }
 
-/* What round-off of the positions leaves of a residual. */
-static double contacts_round_off(const gh_rve *r) {
+double gh_rve_round_off(const gh_rve *r) {
   const gh_contact_law *law = &r->options.law;
   double stiffest =
       gh_rve_friction(r) ? fmax(law->normal_stiffness, law->tangential_stiffness) : law->normal_stiffness;
-  return r->m.mean_force > 0 ? 16 * DBL_EPSILON * stiffest * r->extent / r->m.mean_force : 0;
+  return 16 * DBL_EPSILON * stiffest * r->extent;
+}
+
+/* What round-off of the positions leaves of a residual. */
+static double contacts_round_off(const gh_rve *r) {
+  return r->m.mean_force > 0 ? gh_rve_round_off(r) / r->m.mean_force : 0;
 }
 
 /* The residual that is good enough: the required one, or what round-off of the positions leaves. */

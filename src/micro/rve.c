@@ -170,6 +170,7 @@ static gh_status rve_evaluate(gh_rve *r, const double *near, unsigned want, doub
   GH_TRY(gh_rve_equilibrate(r));
   if (r->relaxes) positions_pull_back(r);
   if (gh_rve_solves(r)) GH_TRY(gh_rve_find_rattlers(r)); /* they serve the sums and the tangent */
+  if (r->m.settled) GH_TRY(gh_rve_mark_sliding(r));
   if (gh_rve_friction(r)) GH_TRY(gh_rve_advance_history(r));
   GH_TRY(gh_rve_sums(r));
   if (!(want & GH_WANT_TANGENT)) return GH_OK;
@@ -202,10 +203,6 @@ gh_status gh_rve_evaluate_near(gh_rve *r, const double F[4], const double *near,
   memcpy(P, r->m.P, sizeof r->m.P);
   r->trial = true;
   r->m.seconds = gh_seconds() - start;
-  if (getenv("GHTELL"))
-    fprintf(stderr, "EV near %d ramps %d settled %d steps %ld fact %d pol %d res %.2g t %.4f\n", near != NULL,
-            r->m.ramps, r->m.settled, r->m.steps, r->m.factorisations, r->m.polished, r->m.residual,
-            r->m.seconds);
   r->cost.total += r->m.seconds;
   return GH_OK;
 }

@@ -139,7 +139,7 @@ static gh_relax_friction ramp_grains(bridge *e) {
 gh_status bridge_ramp(void *self, const gh_ramp *o, gh_ramp_result *result) {
   bridge *e = self;
   double start = gh_seconds(), from[4];
-  gh_relax_ramp ramp = {.steps = o->steps};
+  gh_relax_ramp ramp = {.steps = o->steps, .round_off = o->round_off};
   gh_relax_friction f = ramp_grains(e);
   gh_relax_result *r = &result->relaxed;
   gh_relax_end end = GH_RELAX_REBUILD;

@@ -200,7 +200,7 @@ static gh_status native_follow_ramp(native *e, const gh_relax_ramp *ramp, const 
 static gh_status native_ramp(void *self, const gh_ramp *o, gh_ramp_result *result) {
   native *e = self;
   double start = gh_seconds(), from[4];
-  gh_relax_ramp ramp = {.steps = o->steps};
+  gh_relax_ramp ramp = {.steps = o->steps, .round_off = o->round_off};
   gh_relax_friction f = native_rotating(e);
   gh_relax_result *r = &result->relaxed;
   memcpy(ramp.to, o->to, sizeof ramp.to);

@@ -33,6 +33,7 @@ typedef struct gh_relax_watch {
 typedef struct gh_relax_ramp {
   double to[4];      /* gradient at the end, from the positions at the start; its parts lie on a line */
   long steps, done;  /* parts; those behind */
+  double round_off;  /* unbalanced force at or below which the packing is at rest */
   double dissipated; /* by friction since the start */
 } gh_relax_ramp;
 /* The gradient after the parts behind: 1 + done/steps (to - 1). */

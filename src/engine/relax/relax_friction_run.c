@@ -181,7 +181,8 @@ gh_relax_end gh_relax_friction_run(gh_relax_friction *s, double tolerance, doubl
       return gh_ramp_end(s, &w, GH_RELAX_REBUILD); /* before anything is concluded: contacts may be missed */
     if (gh_ramp_is_over(s) && *mean_force <= floor)
       return *residual = 0, gh_ramp_end(s, &w, GH_RELAX_UNJAMMED);
-    if (gh_ramp_is_over(s) && *residual <= tolerance) return gh_ramp_end(s, &w, GH_RELAX_CONVERGED);
+    if (gh_ramp_is_over(s) && (*residual <= tolerance || (s->ramp && largest <= s->ramp->round_off)))
+      return gh_ramp_end(s, &w, GH_RELAX_CONVERGED);
     if (k + 1 >= max_steps) return gh_ramp_end(s, &w, GH_RELAX_STEPS);
     if (stale || k % BOUND_EVERY == 0) dt = gh_friction_time_step(s, &w);
     if (stalls(s, &w, k, *residual, mean_force)) return gh_ramp_end(s, &w, GH_RELAX_STEPS);
