@@ -209,6 +209,8 @@ gh_status gh_slips_load(gh_context *ctx, const double *from, int count, gh_slips
 gh_status gh_rve_update_contacts(gh_rve *rve);
 /* The residual that is good enough: the required one, or what round-off of the positions leaves. */
 double gh_rve_target(const gh_rve *rve);
+/* Unbalanced force that round-off of the positions leaves. */
+double gh_rve_round_off(const gh_rve *rve);
 /* Whether the forces are mostly round-off, into rve->m. */
 void gh_rve_find_stress_free(gh_rve *rve);
 /* Extent and smallest mean force of the packing in this cell at rve->x. */
@@ -235,10 +237,11 @@ gh_status gh_rve_find_pressure(gh_rve *rve);
 /* A ramp from the converged state to the start of the last part of the increment, where the increment is longer
  * than that; *start becomes its end, which slip counts from. */
 gh_status gh_rve_ramp_to_base(gh_rve *rve, gh_start *start);
-/* A ramp to F itself, to rest within the tolerance, where the last part has no equilibrium, but for the steps
- * that are *left, from which those that it takes are taken. Contacts are
- * current; those on the Coulomb limit slide in the tangent. */
+/* A ramp to F itself, where the last part has no equilibrium: slip counts from its end then, which is nearer to
+ * rest each time. Steps behind the ramp are taken from those that are *left. Contacts are current. */
 gh_status gh_rve_ramp_to_rest(gh_rve *rve, long *left);
+/* At the end of a ramp nothing has slipped yet: contacts on the Coulomb limit slide in the tangent. */
+gh_status gh_rve_mark_sliding(gh_rve *rve);
 /* Steps without half the residual after which the last part counts as without equilibrium; 0: it may take all. */
 long gh_rve_patience(const gh_rve *rve);
 

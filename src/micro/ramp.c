@@ -34,11 +34,18 @@ static const struct ramp_rule {
   double last;      /* length of the last part */
   double steps;     /* relaxation steps of a ramp of length 1 */
   long least, most; /* steps of a ramp */
-  double rest;      /* residual at the end of the first ramp */
+  double rest;      /* residual at the end of a ramp ... */
+  double closer;    /* ... times this for each ramp to F that has not helped yet */
   long patience;    /* of the last part: steps without half the residual */
   double limit;     /* nearer than this share of the normal force to the Coulomb limit a contact slides */
-} rule = {
-    .last = 0.25, .steps = 800, .least = 32, .most = 20000, .rest = 1e-3, .patience = 1000, .limit = 1e-6};
+} rule = {.last = 0.25,
+          .steps = 800,
+          .least = 32,
+          .most = 20000,
+          .rest = 1e-3,
+          .closer = 1e-2,
+          .patience = 1000,
+          .limit = 1e-6};
 
 bool gh_rve_ramps(const gh_rve *r) {
   return gh_rve_friction(r) && r->relaxes && r->options.integration == GH_INTEGRATION_RAMP;
@@ -116,7 +123,11 @@ static gh_status ramp_follow(gh_rve *r, const gh_start *from, const double to[4]
                              double tolerance, long *left, bool *rests) {
   const double start = gh_seconds();
   double inverse[4];
-  gh_ramp ramp = {.steps = steps, .tolerance = tolerance, .max_steps = steps + *left, .floor = r->floor};
+  gh_ramp ramp = {.steps = steps,
+                  .tolerance = tolerance,
+                  .max_steps = steps + *left,
+                  .floor = r->floor,
+                  .round_off = gh_rve_round_off(r)};
   gh_ramp_result result;
   gh_inv2(from->F, inverse);
   gh_mul2(to, inverse, ramp.to);
@@ -151,9 +162,7 @@ gh_status gh_rve_ramp_to_base(gh_rve *r, gh_start *b) {
   return GH_OK;
 }
 
-/* In the state that a ramp has led to nothing slips, however near: what is at its limit would slide in any
- * increment that goes on. */
-static gh_status sliding_mark(gh_rve *r) {
+gh_status gh_rve_mark_sliding(gh_rve *r) {
   const gh_contact_law *law = &r->options.law;
   const size_t count = (size_t)r->list.count;
   GH_TRY(gh_grow(r->ctx, count + 1, sizeof(gh_friction), &r->sliding_capacity, &r->sliding));
@@ -181,20 +190,13 @@ static gh_status sliding_mark(gh_rve *r) {
 
 gh_status gh_rve_ramp_to_rest(gh_rve *r, long *left) {
   const gh_start base = {.F = r->base.F, .y = r->base.y, .theta = r->base.theta};
-  gh_start from = r->based ? base : (gh_start){.F = r->Fn, .y = r->yn, .theta = r->thetan};
-  double asked = r->options.tolerance;
-  long steps = ramp_steps(r, ramp_length(from.F, r->F));
-  bool rests = true;
+  const gh_start from = r->based ? base : (gh_start){.F = r->Fn, .y = r->yn, .theta = r->thetan};
+  const double length = ramp_length(from.F, r->F), aim = rule.rest * pow(rule.closer, r->m.settled);
+  bool rests;
   GH_TRY(start_set(r, &from));
-  for (bool first = true; first || (rests && *left > 0); first = false, steps = 0) {
-    GH_TRY(ramp_follow(r, &from, r->F, steps, fmax(asked, gh_rve_target(r)), left, &rests));
-    from = base;
-    GH_TRY(start_set(r, &from));
-    GH_TRY(gh_rve_update_contacts(r));
-    if (r->m.unjammed || r->m.residual <= gh_rve_target(r)) break;
-    asked *=
-        0.5 * fmin(1, gh_rve_target(r) / r->m.residual); /* the engine leaves contacts with own images out */
-  }
-  r->m.settled = 1;
-  return sliding_mark(r);
+  GH_TRY(ramp_follow(r, &from, r->F, length > 0 ? ramp_steps(r, length) : 0,
+                     fmax(aim, 0.1 * r->options.tolerance), left, &rests));
+  r->m.settled++;
+  GH_TRY(start_set(r, &base));
+  return gh_rve_update_contacts(r);
 }

@@ -226,7 +226,7 @@ static void ramp_to_rest(void **state) {
       F[1] = 2.0 * k / STEPS;
       OK(gh_rve_evaluate(rve, F, GH_WANT_TANGENT, P, A));
     }
-    assert_int_equal(m->settled, 1);
+    assert_true(m->settled >= 1);
     assert_true(m->ramps >= 1 && m->residual <= 1e-11);
     const double dissipation = m->dissipation;
     OK(gh_rve_evaluate(rve, F, 0, Q, NULL));
