@@ -25,9 +25,9 @@ static long relaxation_portion(const gh_rve *r) {
 /* In a limit cycle, or slow: slip of an increment depends on its end alone, so that a limit cycle gives back
  * what it has dissipated, which grains in motion do not. A ramp has none. */
 static gh_status limit_cycle_end(gh_rve *r, double tolerance, long *left) {
-  if (gh_rve_patience(r) > 0) return *left > 0 ? gh_rve_ramp_to_rest(r, left) : GH_OK;
-  if (r->m.residual <= near && relaxation_has_finish(r)) return gh_rve_leave_limit_cycle(r, tolerance);
-  return GH_OK;
+  if (r->m.residual <= near && relaxation_has_finish(r)) GH_TRY(gh_rve_newton_regularised(r, tolerance));
+  if (r->m.residual <= tolerance || gh_rve_patience(r) == 0 || *left <= 0) return GH_OK;
+  return gh_rve_ramp_to_rest(r, left);
 }
 
 /* Relaxation by the engine until the residual as it is defined here is met: the engine sums in another order

@@ -225,7 +225,7 @@ gh_status gh_rve_factor(gh_rve *rve, bool help, bool *regular);
 /* Newton from the engine's positions as long as it is safe. *done: the residual is reached. Else the engine
  * is at the last safe positions, and *again: another attempt after more relaxation is worth it. */
 gh_status gh_rve_newton_finish(gh_rve *rve, bool *done, bool *again);
-gh_status gh_rve_leave_limit_cycle(gh_rve *rve, double tolerance);
+gh_status gh_rve_newton_regularised(gh_rve *rve, double tolerance);
 
 /* ---- ramp.c ---- */
 

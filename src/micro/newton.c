@@ -145,7 +145,7 @@ static gh_status newton_step(gh_rve *r, double fall, bool *falls) {
  * singular or be thrown far, get more and more stiffness of their own. Where it does not come to the
  * end, all is as it was: it may have gone back to an equilibrium that is unstable, which relaxation is just
  * leaving. */
-gh_status gh_rve_leave_limit_cycle(gh_rve *r, double tolerance) {
+gh_status gh_rve_newton_regularised(gh_rve *r, double tolerance) {
   static const double shifts[] = {0, 1e-9, 1e-6, 1e-4, 1e-2};
   GH_TRY(gh_engine_get(r->engine, r->x, r->theta));
   memcpy(r->x0, r->x, 2 * (size_t)r->n * sizeof(double));
@@ -180,6 +180,9 @@ gh_status gh_rve_newton_finish(gh_rve *r, bool *done, bool *again) {
   if (gh_rve_friction(r) && r->relaxes &&
       !contacts_only_roll(r)) { /* nine times of ten the matrix is singular */
     *again = false;
+    if (!gh_rve_ramps(r)) return GH_OK;
+    GH_TRY(gh_rve_newton_regularised(r, gh_rve_target(r)));
+    r->m.polished = *done = r->m.residual <= gh_rve_target(r);
     return GH_OK;
   }
   GH_TRY(gh_engine_get(r->engine, r->x, r->theta));
