@@ -9,7 +9,7 @@ enum { BOUND_EVERY = 32 }; /* steps between two bounds of the largest eigenvalue
 /* Least damping, over 1/dt: at first (relax.c states why), and at most. It is doubled where the residual has
  * not come down to half in PATIENCE steps: sliding contacts make the stiffness unsymmetric, and grains may
  * circle, fed by the forces, without that the quotient of Rayleigh sees anything to damp. */
-static const double LEAST_DAMPING = 1e-2, MOST_DAMPING = 1;
+static const double LEAST_DAMPING = 1e-2, MOST_DAMPING = 1, LOWEST_DAMPING = 1e-4;
 enum { PATIENCE = 1000 };
 
 /* Grains between contacts that slide the wrong way spin: nothing resists until the slip of one of them has
@@ -117,15 +117,17 @@ static void leap(gh_relax_friction *s, const gh_friction_parts *w, double *mean_
     if (spun[i] != 0) s->w[i] = 0;
 }
 
-/* Raises the least damping where the residual does not come down; from the largest back to the first, because
- * what flutters wants more of it, and a grain that creeps out between its last contacts less. */
-static void watch(gh_relax_watch *w, double residual) {
+/* Changes the least damping where the residual does not come down. Slip of an increment flutters, which wants
+ * more of it, and a grain that creeps out between its last contacts less: it is raised to the largest, and begins
+ * again. On a ramp nothing flutters: it is lowered. */
+static void watch(gh_relax_watch *w, double residual, bool ramp) {
   if (w->record == 0) w->record = INFINITY, w->waited = 0, w->least = fmax(w->least, LEAST_DAMPING);
   if (residual <= 0.5 * w->record) {
     w->record = residual, w->waited = 0;
   } else if (++w->waited == PATIENCE && w->patience == 0) {
     w->record = residual, w->waited = 0;
-    w->least = w->least < MOST_DAMPING ? fmin(2 * w->least, MOST_DAMPING) : LEAST_DAMPING;
+    if (ramp) w->least = w->least > LOWEST_DAMPING ? fmax(w->least / 4, LOWEST_DAMPING) : LEAST_DAMPING;
+    else w->least = w->least < MOST_DAMPING ? fmin(2 * w->least, MOST_DAMPING) : LEAST_DAMPING;
   }
 }
 
@@ -138,7 +140,7 @@ static void start(gh_relax_friction *s) {
 static bool stalls(gh_relax_friction *s, const gh_friction_parts *w, long k, double residual,
                    double *mean_force) {
   if (!gh_ramp_is_over(s)) return false;
-  watch(&s->watch, residual);
+  watch(&s->watch, residual, s->ramp != NULL);
   if (s->watch.patience > 0 && s->watch.waited >= s->watch.patience) return true;
   if (s->ramp || k % SPIN_PATIENCE != 0 || s->law->fixed_rotations) return false;
   if (k > 0 && s->watch.waited >= SPIN_PATIENCE && residual <= SPIN_RESIDUAL) leap(s, w, mean_force);
