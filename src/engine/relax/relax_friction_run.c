@@ -9,7 +9,7 @@ enum { BOUND_EVERY = 32 }; /* steps between two bounds of the largest eigenvalue
 /* Least damping, over 1/dt: at first (relax.c states why), and at most. It is doubled where the residual has
  * not come down to half in PATIENCE steps: sliding contacts make the stiffness unsymmetric, and grains may
  * circle, fed by the forces, without that the quotient of Rayleigh sees anything to damp. */
-static const double LEAST_DAMPING = 1e-2, MOST_DAMPING = 1, LOWEST_DAMPING = 1e-4;
+static const double LEAST_DAMPING = 1e-2, MOST_DAMPING = 1, LOWEST_DAMPING = 1e-6;
 enum { PATIENCE = 1000 };
 
 /* Grains between contacts that slide the wrong way spin: nothing resists until the slip of one of them has
@@ -126,7 +126,7 @@ static void watch(gh_relax_watch *w, double residual, bool ramp) {
     w->record = residual, w->waited = 0;
   } else if (++w->waited == PATIENCE && w->patience == 0) {
     w->record = residual, w->waited = 0;
-    if (ramp) w->least = w->least > LOWEST_DAMPING ? fmax(w->least / 4, LOWEST_DAMPING) : LEAST_DAMPING;
+    if (ramp) w->least = w->least > LOWEST_DAMPING ? fmax(w->least / 10, LOWEST_DAMPING) : LEAST_DAMPING;
     else w->least = w->least < MOST_DAMPING ? fmin(2 * w->least, MOST_DAMPING) : LEAST_DAMPING;
   }
 }
