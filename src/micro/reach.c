@@ -12,7 +12,7 @@ static const double branch = 0.1;
 static const double amplified = 1e3;
 /* Multiple of the tolerance up to which the deepest bisection accepts a packing unconverged: it is reported,
  * and more steps would hardly change its stress. */
-static const double nearly = 10;
+static const double nearly = 3;
 /* A loose tolerance has no room for that. */
 static const double tight = 1e-6;
 

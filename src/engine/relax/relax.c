@@ -14,50 +14,90 @@ enum { BOUND_EVERY = 32 }; /* steps between two bounds of the largest eigenvalue
  * without damping never come to rest. */
 static const double LEAST_DAMPING = 1e-2;
 
-/* Work space: forces of the pairs (2 npairs), old forces (2 n), stiffness blocks (3 n). */
+/* Numbers of each pair, one array for each, so that the loop over pairs vectorises: what it is, and its force on
+ * grain i and overlap. */
+enum { SHIFT_X, SHIFT_Y, REACH, GIVEN };
+enum { FORCE_X, FORCE_Y, OVERLAP, EXERTED };
+enum { PER_BLOCK = 3 };
+
+/* The parts of the work space. */
+typedef struct parts {
+  double *given; /* GIVEN x npairs */
+  double *pair;  /* EXERTED x npairs */
+  double *old;   /* 2 n: forces of the last step */
+  double *block; /* PER_BLOCK n: stiffness of each grain alone */
+  int *i, *j;    /* npairs: grains of each pair */
+} parts;
+
 size_t gh_relax_work(int n, int npairs) {
-  return 2 * (size_t)npairs + 5 * (size_t)n;
+  return (GIVEN + EXERTED) * (size_t)npairs + (2 + PER_BLOCK) * (size_t)n +
+         (2 * (size_t)npairs * sizeof(int) + sizeof(double) - 1) / sizeof(double);
 }
 
-/* Forces of all pairs, without branches so that it vectorises; returns the sum of the normal forces, counts
- * the contacts. */
-static double pair_forces(const gh_pair *restrict pairs, int npairs, double E, const double *restrict x,
-                          double *restrict pf, int *count) {
-  double sum = 0;
-  int contacts = 0;
-  for (int p = 0; p < npairs; p++) {
-    const gh_pair *q = &pairs[p];
-    double lx = x[2 * q->j] - x[2 * q->i] + q->shift[0], ly = x[2 * q->j + 1] - x[2 * q->i + 1] + q->shift[1];
-    double d = sqrt(lx * lx + ly * ly), e = q->reach - d;
-    int touch = e >= 0;
-    e = touch ? e : 0;
-    double factor = gh_normal_factor(E, e, d);
-    pf[2 * p] = factor * lx;
-    pf[2 * p + 1] = factor * ly;
-    sum += e;
-    contacts += touch;
+static parts divide(const gh_relax_state *s) {
+  const size_t n = (size_t)s->n, npairs = (size_t)s->npairs;
+  parts w = {.given = s->work};
+  w.pair = w.given + GIVEN * npairs;
+  w.old = w.pair + EXERTED * npairs;
+  w.block = w.old + 2 * n;
+  w.i = (int *)(void *)(w.block + PER_BLOCK * n);
+  w.j = w.i + npairs;
+  return w;
+}
+
+void gh_relax_begin(gh_relax_state *s) {
+  const parts w = divide(s);
+  const size_t n = (size_t)s->npairs;
+  for (size_t p = 0; p < n; p++) {
+    const gh_pair *q = &s->pairs[p];
+    w.given[SHIFT_X * n + p] = q->shift[0];
+    w.given[SHIFT_Y * n + p] = q->shift[1];
+    w.given[REACH * n + p] = q->reach;
+    w.i[p] = q->i, w.j[p] = q->j;
   }
-  *count = contacts;
-  return E * sum;
 }
 
-/* Adds the forces of the pairs to the grains. Pairs are sorted by i: that side is summed in registers. */
-static void gather(const gh_relax_state *s, const double *restrict pf) {
-  double *restrict f = s->f;
+/* Forces and overlaps of all pairs, without branches so that it vectorises; negative: apart. */
+static void pair_forces(const int *restrict first, const int *restrict second, size_t n, double E,
+                        const double *restrict given, const double *restrict x, double *restrict out) {
+#pragma omp simd
+  for (size_t p = 0; p < n; p++) {
+    const int i = first[p], j = second[p];
+    const double lx = x[2 * j] - x[2 * i] + given[SHIFT_X * n + p],
+                 ly = x[2 * j + 1] - x[2 * i + 1] + given[SHIFT_Y * n + p], d = sqrt(lx * lx + ly * ly),
+                 e = given[REACH * n + p] - d, factor = gh_normal_factor(E, e >= 0 ? e : 0, d);
+    out[FORCE_X * n + p] = factor * lx;
+    out[FORCE_Y * n + p] = factor * ly;
+    out[OVERLAP * n + p] = e;
+  }
+}
+
+/* Adds the forces of the pairs to the grains; returns the mean overlap. Pairs are sorted by i: that side is
+ * summed in registers. */
+static double gather(const gh_relax_state *s, const parts *w) {
+  const size_t n = (size_t)s->npairs;
+  const double *restrict pair = w->pair;
+  const int *restrict first = w->i, *restrict second = w->j;
+  double *restrict f = s->f, overlap = 0;
+  int contacts = 0;
   memset(f, 0, 2 * (size_t)s->n * sizeof *f);
-  for (int p = 0; p < s->npairs;) {
-    int i = s->pairs[p].i;
+  for (size_t p = 0; p < n;) {
+    const int i = first[p];
     double fx = 0, fy = 0;
-    for (; p < s->npairs && s->pairs[p].i == i; p++) {
-      int j = s->pairs[p].j;
-      fx += pf[2 * p];
-      fy += pf[2 * p + 1];
-      f[2 * j] -= pf[2 * p];
-      f[2 * j + 1] -= pf[2 * p + 1];
+    for (; p < n && first[p] == i; p++) {
+      const int j = second[p];
+      const double px = pair[FORCE_X * n + p], py = pair[FORCE_Y * n + p], e = pair[OVERLAP * n + p];
+      fx += px;
+      fy += py;
+      f[2 * j] -= px;
+      f[2 * j + 1] -= py;
+      overlap += e >= 0 ? e : 0;
+      contacts += e >= 0;
     }
     f[2 * i] += fx;
     f[2 * i + 1] += fy;
   }
+  return contacts ? overlap / contacts : 0;
 }
 
 double gh_relax_largest(int n, const unsigned char *held, const double *f, const double *couple) {
@@ -71,15 +111,15 @@ double gh_relax_largest(int n, const unsigned char *held, const double *f, const
 }
 
 double gh_relax_forces(gh_relax_state *s, double *mean_force) {
-  int count;
-  double sum = pair_forces(s->pairs, s->npairs, s->stiffness, s->x, s->work, &count), largest = 0, all = 0;
-  gather(s, s->work);
+  const parts w = divide(s);
+  pair_forces(w.i, w.j, (size_t)s->npairs, s->stiffness, w.given, s->x, w.pair);
+  *mean_force = s->stiffness * gather(s, &w);
+  double largest = 0, all = 0;
   for (int i = 0; i < s->n; i++) {
-    double f2 = s->f[2 * i] * s->f[2 * i] + s->f[2 * i + 1] * s->f[2 * i + 1];
+    const double f2 = s->f[2 * i] * s->f[2 * i] + s->f[2 * i + 1] * s->f[2 * i + 1];
     if (f2 > largest && !(s->held && s->held[i])) largest = f2;
     all += f2;
   }
-  *mean_force = count ? sum / count : 0;
   /* the comparison passes over NaN, and squares may have left the range of numbers */
   return all <= GH_RELAX_MOST && largest >= GH_RELAX_LEAST ? sqrt(largest)
                                                            : gh_relax_largest(s->n, s->held, s->f, NULL);
@@ -101,8 +141,8 @@ double gh_relax_time_step(double bound) {
 /* The quadratic form of a contact in the displacements of its two grains is at most twice the sum of those of
  * the grains' own blocks. Pairs that nearly touch count too: they may touch before the next bound. */
 double gh_relax_safe_step(const gh_relax_state *s) {
-  double *k = s->work + 2 * (size_t)s->npairs + 2 * (size_t)s->n, bound = 4 * s->stiffness;
-  memset(k, 0, 3 * (size_t)s->n * sizeof *k);
+  double *k = divide(s).block, bound = 4 * s->stiffness;
+  memset(k, 0, PER_BLOCK * (size_t)s->n * sizeof *k);
   for (int p = 0; p < s->npairs; p++) {
     const gh_pair *q = &s->pairs[p];
     double l[2] = {s->x[2 * q->j] - s->x[2 * q->i] + q->shift[0],
@@ -155,6 +195,7 @@ static double advance(gh_relax_state *s, double c, double dt) {
  * lowest eigenvalue that is still moving. */
 static double rayleigh(const gh_relax_state *s, const double *old, double dt) {
   double up = 0, down = 0;
+#pragma omp simd reduction(+ : up, down)
   for (int k = 0; k < 2 * s->n; k++) {
     up += s->v[k] * (old[k] - s->f[k]);
     down += s->v[k] * s->v[k];
@@ -164,8 +205,9 @@ static double rayleigh(const gh_relax_state *s, const double *old, double dt) {
 
 gh_relax_end gh_relax_run(gh_relax_state *s, double tolerance, double floor, long max_steps, double *residual,
                           double *mean_force, long *steps) {
-  double *old = s->work + 2 * (size_t)s->npairs, dt = 0;
+  double *old = divide(s).old, dt = 0;
   bool far = false, stale = true;
+  gh_relax_begin(s);
   for (long k = 0;; k++) {
     double largest = gh_relax_forces(s, mean_force);
     ++*steps;

@@ -63,6 +63,8 @@ gh_relax_end gh_relax_run(gh_relax_state *s, double tolerance, double floor, lon
  * that, but larger ones would throw a grain through its neighbours, where forces are those of another
  * packing, and it may be thrown back for ever. */
 double gh_relax_move(gh_relax_state *s, double a, double b, double dt);
+/* Once for each list of pairs, before the next two. */
+void gh_relax_begin(gh_relax_state *s);
 /* Forces at x. Returns the largest force on a free grain; *mean_force is the mean normal contact force (0: no
  * contact). */
 double gh_relax_forces(gh_relax_state *s, double *mean_force);

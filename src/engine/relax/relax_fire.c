@@ -130,6 +130,7 @@ static gh_relax_end run(const problem *p, double tolerance, double floor, long m
 
 gh_relax_end gh_relax_fire(gh_relax_state *s, double tolerance, double floor, long max_steps,
                            double *residual, double *mean_force, long *steps) {
+  gh_relax_begin(s);
   return run(&(problem){.grains = s}, tolerance, floor, max_steps, residual, mean_force, steps);
 }
 

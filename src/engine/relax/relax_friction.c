@@ -6,7 +6,7 @@
 #include <string.h>
 
 size_t gh_relax_friction_work(int n, int npairs) {
-  return (GIVEN + EXERTED) * (size_t)npairs + (8 + PER_BLOCK) * (size_t)n +
+  return (GIVEN + EXERTED) * (size_t)npairs + (11 + PER_BLOCK) * (size_t)n +
          (2 * (size_t)npairs * sizeof(int) + sizeof(double) - 1) / sizeof(double);
 }
 
@@ -21,7 +21,8 @@ gh_friction_parts gh_friction_divide(const gh_relax_friction *s) {
   w.block = w.old_c + n;
   w.before = w.block + PER_BLOCK * n;
   w.x0 = w.before + n;
-  w.i = (int *)(void *)(w.x0 + 2 * n);
+  w.crept = w.x0 + 2 * n;
+  w.i = (int *)(void *)(w.crept + 3 * n);
   w.j = w.i + npairs;
   return w;
 }

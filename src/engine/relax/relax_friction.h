@@ -21,9 +21,10 @@ typedef struct gh_pair_memory {
 /* Whether the residual comes down; zero at the start, but for `least` where a relaxation is continued, and
  * `patience`; carried from list to list like `started`. */
 typedef struct gh_relax_watch {
-  double record; /* residual to come down to half of */
-  long waited;   /* steps since then */
-  double least;  /* least damping, over 1/dt */
+  double record;      /* residual to come down to half of */
+  long waited;        /* steps since then */
+  double least;       /* least damping, over 1/dt */
+  double leap, leapt; /* of creeping grains: how much farther the last went; residual before it */
   long
       patience; /* steps without half the residual after which relaxation ends; 0: damping is raised instead */
 } gh_relax_watch;

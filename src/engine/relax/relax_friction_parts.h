@@ -23,6 +23,7 @@ typedef struct gh_friction_parts {
   double *block;  /* PER_BLOCK n: stiffness of each grain alone */
   double *before; /* n: `rolled` when it was last looked for spins */
   double *x0;     /* 2 n: on a ramp, where the pairs were found, moved along */
+  double *crept;  /* 3 n: on a ramp, positions and rotations when it was last looked for creep */
   int *i, *j;     /* npairs: grains of each pair */
 } gh_friction_parts;
 

@@ -19,6 +19,11 @@ enum { PATIENCE = 1000 };
 enum { SPIN_PATIENCE = 200, SPIN_LEAST = 2, SPIN_TRIALS = 60 };
 static const double SPIN_RESIDUAL = 1e-3, SPIN_SHARE = 0.5, SPIN_REST = 1e-3;
 
+/* On a ramp grains that hardly touch creep along a chain of others, and damping holds them: they leap as the spinning
+ * ones do, if they go at least CREEP_SHARE of the longest way, by CREEP_SLACK of the list's slack at most, and with
+ * an eye on the residual. */
+static const double CREEP_SHARE = 0.1, CREEP_SLACK = 0.2, CREEP_RISE = 1.5;
+
 /* One step of what may move, with the damping `c`; returns the square of the largest distance from x0. No rim
  * turns as far as the slack at once, as no grain goes (gh_relax_move). */
 static double advance(gh_relax_friction *s, const double *couple, double c, double dt) {
@@ -40,6 +45,7 @@ static double advance(gh_relax_friction *s, const double *couple, double c, doub
 static double rayleigh(const gh_relax_friction *s, const gh_friction_parts *w, double dt) {
   const gh_relax_state *g = &s->grains;
   double up = 0, down = 0;
+#pragma omp simd reduction(+ : up, down)
   for (int k = 0; k < 2 * g->n; k++) {
     up += g->v[k] * (w->old_f[k] - g->f[k]);
     down += g->v[k] * g->v[k];
@@ -136,12 +142,43 @@ static void start(gh_relax_friction *s) {
   memset(s->grains.v, 0, 2 * (size_t)s->grains.n * sizeof(double));
   if (!s->law->fixed_rotations) memset(s->w, 0, (size_t)s->grains.n * sizeof(double));
 }
+static void creep_note(const gh_relax_friction *s, const gh_friction_parts *w) {
+  const size_t n = (size_t)s->grains.n;
+  memcpy(w->crept, s->grains.x, 2 * n * sizeof(double));
+  memcpy(w->crept + 2 * n, s->theta, n * sizeof(double));
+}
+
+/* Those that went the farthest since creep_note go on by a multiple of that way: twice the last one if that did not
+ * raise the residual, else an eighth. Slip is committed on the way there, too, and dissipates what that stores. */
+static void creep_on(gh_relax_friction *s, const gh_friction_parts *w, double residual) {
+  gh_relax_state *g = &s->grains;
+  const size_t n = (size_t)g->n;
+  double longest = 0;
+  for (size_t i = 0; i < n; i++)
+    longest = fmax(longest, hypot(g->x[2 * i] - w->crept[2 * i], g->x[2 * i + 1] - w->crept[2 * i + 1]));
+  if (!(longest > 0)) return;
+  gh_relax_watch *c = &s->watch;
+  c->leap = c->leap == 0 ? 1 : residual <= CREEP_RISE * c->leapt ? 2 * c->leap : c->leap / 8;
+  c->leapt = residual;
+  const double times = fmin(c->leap, CREEP_SLACK * g->slack / longest);
+  for (size_t i = 0; i < n; i++) {
+    const double d[2] = {g->x[2 * i] - w->crept[2 * i], g->x[2 * i + 1] - w->crept[2 * i + 1]};
+    if (hypot(d[0], d[1]) < CREEP_SHARE * longest || (g->held && g->held[i])) continue;
+    g->x[2 * i] += times * d[0], g->x[2 * i + 1] += times * d[1];
+    if (!s->law->fixed_rotations) s->theta[i] += times * (s->theta[i] - w->crept[2 * n + i]);
+  }
+}
+
 /* Raises damping, or turns spinning grains on, where the residual does not come down. True: it ends here. */
 static bool stalls(gh_relax_friction *s, const gh_friction_parts *w, long k, double residual,
                    double *mean_force) {
   if (!gh_ramp_is_over(s)) return false;
   watch(&s->watch, residual, s->ramp != NULL);
   if (s->watch.patience > 0 && s->watch.waited >= s->watch.patience) return true;
+  if (s->ramp && k % SPIN_PATIENCE == 0) {
+    if (k > 0 && s->watch.waited >= SPIN_PATIENCE && residual <= SPIN_RESIDUAL) creep_on(s, w, residual);
+    creep_note(s, w);
+  }
   if (s->ramp || k % SPIN_PATIENCE != 0 || s->law->fixed_rotations) return false;
   if (k > 0 && s->watch.waited >= SPIN_PATIENCE && residual <= SPIN_RESIDUAL) leap(s, w, mean_force);
   memcpy(w->before, w->rolled, (size_t)s->grains.n * sizeof(double));
