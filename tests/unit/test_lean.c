@@ -152,12 +152,12 @@ static void drop_block(block *b) {
   gh_packing_destroy(&b->packing);
 }
 
-/* A round there and back after two to warm up. The path is the same in each, so that nothing that was large
+/* A round there and back after four to warm up. The path is the same in each, so that nothing that was large
  * enough before needs to grow. */
 static void steady(gh_context *ctx, gh_boundary boundary, gh_engine_kind engine, bool friction,
                    gh_relaxation relaxation) {
   static const int round[] = {1, 2, 1, 0};
-  enum { PER_ROUND = 4, WARM = 2 * PER_ROUND, ALL = 3 * PER_ROUND };
+  enum { PER_ROUND = 4, WARM = 4 * PER_ROUND, ALL = 5 * PER_ROUND };
   char name[80];
   block b;
   counts sum = {0};

@@ -184,7 +184,7 @@ static void near_a_trial_state(void **state) {
  * slide is near. A little farther in the direction of the increment it is the derivative. */
 static void tangent_behind_ramp(gh_context *ctx, gh_rve *rve, const double F[4], const double P[4],
                                 const double A[16], const double *near, size_t size) {
-  const double far = 1e-4, h = 1e-8;
+  const double far = 1e-5, h = 1e-8;
   double G[4] = {F[0], F[1] + h, F[2], F[3]}, up[4], down[4], B[16];
   OK(gh_rve_evaluate_near(rve, G, near, size, 0, up, NULL));
   for (int k = 0; k < 4; k++) NEAR("forward", A[4 * k + 1], (up[k] - P[k]) / h, 0.05 * norm(A, 16));

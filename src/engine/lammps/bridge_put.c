@@ -81,7 +81,10 @@ static gh_status evaluate(bridge *e, gh_status (*write)(bridge *)) {
     if (!started || write == write_set) GH_TRY(write_history(e));
     GH_TRY(write_rotations(e));
   }
-  GH_TRY(guard_advance(e->ctx, e->lmp, FIX));
+  const gh_status status = guard_advance(e->ctx, e->lmp, FIX);
+  /* what the packing has come to, not LAMMPS, is at fault */
+  if (status == GH_ENGINE && strstr(gh_message(e->ctx), GRANHOM_COINCIDE)) return GH_DIVERGED;
+  GH_TRY(status);
   e->valid = e->started = true;
   return GH_OK;
 }

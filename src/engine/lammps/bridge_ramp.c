@@ -104,8 +104,7 @@ static gh_status ramp_follow(bridge *e, const gh_relax_ramp *ramp, const double 
   memcpy(e->cell_n, e->cell, sizeof e->cell_n);
   memcpy(e->x_n, e->given, 2 * (size_t)e->n * sizeof(double));
   for (int i = 0; i < e->n; i++) gh_apply2(e->q, &e->velocity[2 * i], &e->velocity[2 * i]);
-  const gh_status status = bridge_put(e);
-  return status == GH_ENGINE ? gh_prefix(e->ctx, GH_DIVERGED, "on a ramp: ") : status;
+  return bridge_put(e);
 }
 
 /* Along the ramp on LAMMPS's present list. */

@@ -10,6 +10,9 @@
 #include "granhom/engine.h"
 #include "granhom/lammps.h"
 
+/* End of the message of a contact force without direction. */
+#define GRANHOM_COINCIDE " coincide or are not finite: their contact has no direction"
+
 #ifdef __cplusplus
 extern "C" {
 #endif

@@ -4,6 +4,8 @@
  * LAMMPS's sign convention: del = x_i - x_j = -l, and fpair * del is the force on i. */
 #include "engine/lammps/pair_normal.h"
 
+#include "engine/lammps/guard.h"
+
 #include "contact/normal.h"
 #include "engine/lammps/fix_history.h"
 
@@ -231,8 +233,7 @@ void PairNormal::check_unprepared() {
 
 void PairNormal::centres_coincide(int i, int j) {
   error->one(FLERR, "Centres of atoms " + std::to_string(atom->tag[i]) + " and " +
-                        std::to_string(atom->tag[j]) +
-                        " coincide or are not finite: their contact has no direction");
+                        std::to_string(atom->tag[j]) + GRANHOM_COINCIDE);
 }
 
 void PairNormal::compute(int eflag, int vflag) {
