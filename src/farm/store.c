@@ -129,7 +129,9 @@ gh_status farm_store_put(farm_store *s, int number, size_t size, double **state)
   slot *q = s->slots + number;
   /* Slots go from point to point, and states grow with their contacts: one that must grow at all gets room
    * for any of them. */
-  if (size > s->largest) s->largest = size;
+  const size_t room =
+      gh_rve_has_branches(&s->options) ? 2 * size : size; /* a trial may hold the end of a ramp */
+  if (room > s->largest) s->largest = q->capacity == 0 ? room : size > s->largest ? size : s->largest;
   if (size > q->capacity) GH_TRY(gh_grow(s->ctx, s->largest, sizeof *q->data, &q->capacity, &q->data));
   GH_TRY(slot_resize(s, q, size));
   *state = s->slots[number].data;

@@ -100,10 +100,10 @@ static gh_status rve_make_state(gh_rve *r) {
     GH_TRY(gh_alloc(r->ctx, (size_t)r->n, sizeof(double), turns[k]));
   for (size_t k = 0; k < sizeof places / sizeof *places; k++)
     GH_TRY(gh_alloc(r->ctx, n, sizeof(double), places[k]));
-  /* grains touch six others at most on the mean: no ramp to rest has to ask for memory */
-  return gh_rve_ramps(r)
-             ? gh_grow(r->ctx, 3 * (size_t)r->n + 1, sizeof(gh_friction), &r->sliding_capacity, &r->sliding)
-             : GH_OK;
+  if (!gh_rve_ramps(r)) return GH_OK;
+  const size_t contacts = 3 * (size_t)r->n + 1; /* grains touch six others at most: no ramp asks for memory */
+  GH_TRY(gh_grow(r->ctx, contacts, sizeof(gh_slip), &r->base.slips.capacity, &r->base.slips.slips));
+  return gh_grow(r->ctx, contacts, sizeof(gh_friction), &r->sliding_capacity, &r->sliding);
 }
 
 static gh_status rve_make_solver(gh_rve *r) {

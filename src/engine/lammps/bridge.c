@@ -174,8 +174,9 @@ failed:
 static gh_status bridge_begin(void *self, const gh_converged *state) {
   bridge *e = self;
   const size_t n = (size_t)e->n, slips = (size_t)state->nslips;
-  GH_TRY(gh_grow(e->ctx, slips, sizeof *e->slips, &e->slip_capacity, &e->slips));
-  GH_TRY(gh_grow(e->ctx, slips, sizeof *e->keyed, &e->keyed_capacity, &e->keyed));
+  const size_t room = 2 * slips; /* a ramp puts those that it commits beside them, in either of the two */
+  GH_TRY(gh_grow(e->ctx, room, sizeof *e->slips, &e->slip_capacity, &e->slips));
+  GH_TRY(gh_grow(e->ctx, room, sizeof *e->keyed, &e->keyed_capacity, &e->keyed));
   memcpy(e->x_n, state->x, 2 * n * sizeof(double));
   memcpy(e->theta_n, state->theta, n * sizeof(double));
   if (slips) memcpy(e->slips, state->slips, slips * sizeof *e->slips);
@@ -211,7 +212,7 @@ static gh_status relax(bridge *e, const gh_relax_options *o, gh_relax_result *r)
   guard_relaxed end;
   GH_TRY(bridge_check_valid(e));
   e->valid = e->started = false;
-  GH_TRY(guard_relax(e->ctx, e->lmp, FIX, o, &end));
+  GH_TRY(bridge_blame(e, guard_relax(e->ctx, e->lmp, FIX, o, &end)));
   e->valid = e->started = e->relaxed = true;
   *r = (gh_relax_result){end.residual, end.mean_force, end.steps, end.converged, end.least_damping};
   e->cost.steps += r->steps;

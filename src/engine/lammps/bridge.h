@@ -74,6 +74,8 @@ void bridge_image_of_lammps(const bridge *e, int i, int j, const int image[2], i
 /* Lattice of n in the frame and the basis of the present cell. */
 void bridge_lattice_n(const bridge *e, double H[4]);
 gh_status bridge_check_valid(const bridge *e);
+/* Where a contact has no direction, what the packing has come to is at fault, not LAMMPS. */
+gh_status bridge_blame(const bridge *e, gh_status s);
 /* Positions now, unwrapped, in the frame of space. Fixed grains are where they were put, to the last bit. */
 gh_status bridge_read_positions(bridge *e);
 

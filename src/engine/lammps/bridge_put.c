@@ -2,6 +2,8 @@
 /* LAMMPS is set to a cell, positions, rotations and state n, and evaluates them. */
 #include "engine/lammps/bridge.h"
 
+#include <string.h>
+
 /* Writes the given positions, wrapped again from them alone. */
 static gh_status write_set(bridge *e) {
   bridge_arrays a;
@@ -67,6 +69,10 @@ static gh_status write_rotations(bridge *e) {
   return guard_set_rotations(e->ctx, e->lmp, e->law.fixed_rotations ? e->theta_n : e->theta);
 }
 
+gh_status bridge_blame(const bridge *e, gh_status s) {
+  return s == GH_ENGINE && strstr(gh_message(e->ctx), GRANHOM_COINCIDE) ? GH_DIVERGED : s;
+}
+
 /* LAMMPS evaluates the forces at the given positions; write puts them into its arrays. The first time, and
  * the first after a failure, a `run 0` sets LAMMPS up, and what it computes is dropped. */
 static gh_status evaluate(bridge *e, gh_status (*write)(bridge *)) {
@@ -81,10 +87,7 @@ static gh_status evaluate(bridge *e, gh_status (*write)(bridge *)) {
     if (!started || write == write_set) GH_TRY(write_history(e));
     GH_TRY(write_rotations(e));
   }
-  const gh_status status = guard_advance(e->ctx, e->lmp, FIX);
-  /* what the packing has come to, not LAMMPS, is at fault */
-  if (status == GH_ENGINE && strstr(gh_message(e->ctx), GRANHOM_COINCIDE)) return GH_DIVERGED;
-  GH_TRY(status);
+  GH_TRY(bridge_blame(e, guard_advance(e->ctx, e->lmp, FIX)));
   e->valid = e->started = true;
   return GH_OK;
 }

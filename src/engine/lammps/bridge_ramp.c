@@ -115,7 +115,7 @@ static gh_status ramp_on_list(bridge *e, const gh_ramp *o, const double from[4],
   for (int i = 0; i < e->n && f->grains.started; i++)
     bridge_transpose_apply(e->q, &e->velocity[2 * i], &e->velocity[2 * i]);
   e->valid = false;
-  GH_TRY(guard_ramp(e->ctx, e->lmp, FIX, o, f, r, &list));
+  GH_TRY(bridge_blame(e, guard_ramp(e->ctx, e->lmp, FIX, o, f, r, &list)));
   e->cost.pairs += list.pairs;
   *end = list.end;
   memcpy(f->ramp->to, o->to, sizeof f->ramp->to);
