@@ -31,7 +31,8 @@ const gh_term columns_friction[] = {
     {0}};
 
 const gh_term columns_path[] = {
-    {"ramps", "ramps of the increment along which slip was integrated; 0: it counts from the last state"}, {0}};
+    {"ramps", "ramps of the increment along which slip was integrated; 0: it counts from the last state"},
+    {0}};
 
 const gh_term columns_control[] = {
     {"load_step", "number of the step, repetitions counted; 0 the start"},

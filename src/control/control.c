@@ -90,7 +90,8 @@ static gh_status rve_keep(void *p) {
 
 gh_status gh_control_create_rve(gh_context *ctx, gh_rve *rve, const gh_control_options *options,
                                 gh_control **control) {
-  static const gh_point_ops ops = {.evaluate = rve_evaluate, .commit = rve_commit, .revert = rve_revert, .keep = rve_keep};
+  static const gh_point_ops ops = {
+      .evaluate = rve_evaluate, .commit = rve_commit, .revert = rve_revert, .keep = rve_keep};
   return gh_control_create(ctx, &ops, rve, options, control);
 }
 

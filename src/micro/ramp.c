@@ -3,7 +3,7 @@
  *
  * Slip that counts from the converged state over a whole increment loses its equilibrium within the increment.
  * Slip that is committed at every step of a ramp only dissipates, so that a packing always comes to rest, but
- * its end depends on the ramp, and has no tangent. So a ramp leads to the begin of a short last part, is frozen
+ * its end depends on the ramp, and has no tangent. So a ramp leads to the start of a short last part, is frozen
  * there, and slip counts over the last part alone: a function of F with an algorithmic tangent. Where the last
  * part has no equilibrium either, a second ramp leads to its end. */
 #include "micro/internal.h"
@@ -34,6 +34,7 @@ static const struct ramp_rule {
   double last;      /* length of the last part */
   double steps;     /* relaxation steps of a ramp of length 1 */
   long least, most; /* steps of a ramp */
+  double strain;    /* of a step at most */
   double rest;      /* residual at the end of a ramp ... */
   double closer;    /* ... times this for each ramp to F that has not helped yet */
   long patience;    /* of the last part: steps without half the residual */
@@ -42,6 +43,7 @@ static const struct ramp_rule {
           .steps = 800,
           .least = 32,
           .most = 20000,
+          .strain = 1e-4,
           .rest = 1e-3,
           .closer = 1e-2,
           .patience = 1000,
@@ -149,6 +151,12 @@ gh_status gh_rve_ramp_to_base(gh_rve *r, gh_start *b) {
   if (!(length > 0)) return GH_OK;
   const double last = rule.last * r->pressuren / r->options.law.normal_stiffness, share = 1 - last / length;
   if (!(share > 0)) return GH_OK;
+  if (!(share * length <= rule.strain * (double)rule.most))
+    return gh_fail(
+        r->ctx, GH_DIVERGED,
+        "the increment to F = [%.6g %.6g; %.6g %.6g] is a strain of %.3g, too long for a ramp: at most "
+        "%g is possible",
+        r->F[0], r->F[1], r->F[2], r->F[3], length, rule.strain * (double)rule.most);
   for (int k = 0; k < 4; k++) to[k] = r->Fn[k] + share * (r->F[k] - r->Fn[k]);
   GH_TRY(start_set(r, b));
   GH_TRY(ramp_follow(r, b, to, ramp_steps(r, share * length), rest, &left));

@@ -307,7 +307,8 @@ void gh_summary_print(const gh_run_summary *m, const char *folder, gh_text *out)
         100 * (1 - (double)m->farm.computed / (double)m->farm.evaluations), m->farm.moved,
         GH_S(m->farm.moved), m->farm.states, GH_S(m->farm.states), m->points);
   if (m->farm.ramps > 0)
-    gh_text_print(out, "%ld ramp%s, %ld of them to rest where the last part of an increment had no equilibrium\n",
+    gh_text_print(out,
+                  "%ld ramp%s, %ld of them to rest where the last part of an increment had no equilibrium\n",
                   m->farm.ramps, GH_S(m->farm.ramps), m->farm.settled);
   if (m->farm.accepted > 0)
     gh_text_print(out, "in %ld evaluation%s a packing was accepted unconverged (micro.accept)\n",

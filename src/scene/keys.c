@@ -61,7 +61,8 @@ const gh_term scene_micro_keys[] = {
     {"resident",
      "RVEs that a rank keeps in memory; default: as many as fit into 1 GB. No result depends on it"},
     {"integration",
-     "of slip, with friction and free grains: `ramp` (default): along a ramp of F and over a short last part; "
+     "of slip, with friction and free grains: `ramp` (default): along a ramp of F and over a short last "
+     "part; "
      "`whole`: over the increment at once (Table 7.1), which has no equilibrium in some increments"},
     {"relaxation", "`polished` (default): damped central differences with Newton finish; `damped`: without; "
                    "`fire`: FIRE alone"},

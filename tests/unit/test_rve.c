@@ -340,6 +340,7 @@ static void taken_as_it_is(void **state) {
     if (friction)
       o.law = (gh_contact_law){
           .normal_stiffness = 100, .friction = 1, .tangential_stiffness = 60, .friction_coefficient = 0.4};
+    o.integration = GH_INTEGRATION_WHOLE; /* Newton ends a ramp's last part sooner */
     o.max_steps = 20;
     o.accept = 1e-9;
     OK(gh_rve_create(ctx, p, &o, &rve));

@@ -148,7 +148,7 @@ static void creep_note(const gh_relax_friction *s, const gh_friction_parts *w) {
   memcpy(w->crept + 2 * n, s->theta, n * sizeof(double));
 }
 
-/* Those that went the farthest since creep_note go on by a multiple of that way: twice the last one if that did not
+/* Those that moved the farthest since creep_note move by a multiple of that path: twice the last one if that did not
  * raise the residual, else an eighth. Slip is committed on the way there, too, and dissipates what that stores. */
 static void creep_on(gh_relax_friction *s, const gh_friction_parts *w, double residual) {
   gh_relax_state *g = &s->grains;
