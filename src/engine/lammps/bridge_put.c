@@ -80,7 +80,7 @@ static gh_status evaluate(bridge *e, gh_status (*write)(bridge *)) {
   e->valid = e->started = e->relaxed = false;
   if (!started) {
     GH_TRY(write_set(e));
-    GH_TRY(guard_command(e->ctx, e->lmp, "run 0 post no"));
+    GH_TRY(bridge_blame(e, guard_command(e->ctx, e->lmp, "run 0 post no")));
   }
   GH_TRY(write(e));
   if (e->law.friction) {
