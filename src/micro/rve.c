@@ -161,7 +161,6 @@ static void rotations_guess(gh_rve *r, const gh_start *b) {
 
 static gh_status rve_evaluate(gh_rve *r, const double *near, unsigned want, double A[16]) {
   gh_start b;
-  if (gh_rve_ramps(r)) GH_TRY(gh_rve_find_pressure(r));
   GH_TRY(gh_state_start(r, near, &b));
   if (gh_rve_ramps(r) && !b.near) GH_TRY(gh_rve_ramp_to_base(r, &b));
   for (int i = 0; i < r->n; i++)
@@ -195,6 +194,7 @@ gh_status gh_rve_evaluate_near(gh_rve *r, const double F[4], const double *near,
   r->m = (gh_rve_measures){.acoustic = NAN, .acoustic_angle = NAN};
   memcpy(r->F, F, sizeof r->F);
   memcpy(r->m.F, F, sizeof r->m.F);
+  if (gh_rve_ramps(r)) GH_TRY(gh_rve_find_pressure(r)); /* not counted: once, or again where it was not kept */
   gh_engine_cost before, after;
   gh_engine_costs(r->engine, &before);
   GH_TRY(rve_evaluate(r, near, want, A));

@@ -114,7 +114,7 @@ done
 # --- friction ---
 rubbing() { native --friction-angle 20 --hardening 10 "$@"; }
 rubbing --path path.csv -o rub.csv --dump rub.dump 2>/dev/null
-check "friction adds its columns" test "$(head -n 1 rub.csv)" = "$columns,energy_t,dissipation,sliding"
+check "friction adds its columns" test "$(head -n 1 rub.csv)" = "$columns,energy_t,dissipation,sliding,ramps"
 check "some contacts slide, and dissipate" awk -F, 'END {exit !($21 > 0 && $20 > 0 && $19 > 0)}' rub.csv
 # a cell that is sheared and rotated by affine motion: box, image flags and cell give back F X, turned so that the first lattice
 # vector lies along x

@@ -306,7 +306,7 @@ static void error_in_run(void **state) {
     assert_int_equal(o.count, 1);
     assert_near(o.c[0].overlap, 0.5, 1e-13);
   }
-  assert_int_equal(gh_engine_set(e, p.cell, bad, NULL), GH_ENGINE);
+  assert_int_equal(gh_engine_set(e, p.cell, bad, NULL), GH_DIVERGED);
   gh_engine_destroy(&e);
   drop(&p);
 }
