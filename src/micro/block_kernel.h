@@ -17,6 +17,11 @@ enum { AREA = BLOCK * STRIDE };
 /* A column of a block. */
 typedef double lanes __attribute__((vector_size(STRIDE * sizeof(double))));
 
+/* No function that takes or returns lanes is called: all are inlined, and how they would be is of no concern. */
+#if defined(__GNUC__) && !defined(__clang__)
+#pragma GCC diagnostic ignored "-Wpsabi"
+#endif
+
 static inline __attribute__((always_inline)) lanes lanes_load(const double *a) {
   lanes v;
   memcpy(&v, a, sizeof v);
