@@ -163,6 +163,7 @@ struct gh_rve {
   gh_base base;                    /* with friction and free grains: what slip counts from ... */
   bool based;                      /* ... if this is set, else from the converged state */
   double dissipatedn, dissipated;  /* by friction since the start, of both states */
+  long uncounted;                  /* pair evaluations for the pressure of the packing as read */
   double pressuren;                /* mean pressure of the converged state; negative: not known yet */
   gh_friction *sliding;            /* list.friction of a state that a ramp has led to F */
   size_t sliding_capacity;

@@ -29,7 +29,7 @@ const char *gh_integration_name(gh_integration integration) {
 }
 
 /* Lengths are strains over p_n/E_n, the overlap strain of the converged state. Measured in
- * docs/reports/stability.md. */
+ * docs/reports/friction.md, "Ramps". */
 static const struct ramp_rule {
   double last;      /* length of the last part */
   double steps;     /* relaxation steps of a ramp of length 1 */
@@ -79,8 +79,10 @@ static gh_status start_set(gh_rve *r, const gh_start *b) {
 
 gh_status gh_rve_find_pressure(gh_rve *r) {
   const gh_start n = {.F = r->Fn, .y = r->yn, .theta = r->thetan};
+  gh_engine_cost before, after;
   double sum = 0;
   if (r->pressuren >= 0) return GH_OK;
+  gh_engine_costs(r->engine, &before);
   GH_TRY(gh_rve_begin_increment(r));
   GH_TRY(start_set(r, &n));
   GH_TRY(gh_engine_contacts(r->engine, &r->list));
@@ -89,6 +91,8 @@ gh_status gh_rve_find_pressure(gh_rve *r) {
     sum += q->overlap * hypot(q->l[0], q->l[1]);
   }
   r->pressuren = r->options.law.normal_stiffness * sum / (2 * r->volume * gh_det2(r->Fn));
+  gh_engine_costs(r->engine, &after);
+  r->uncounted += after.pairs - before.pairs;
   return GH_OK;
 }
 

@@ -224,5 +224,5 @@ void gh_rve_costs(const gh_rve *r, gh_rve_cost *cost) {
   gh_engine_cost engine;
   gh_engine_costs(r->engine, &engine);
   cost->history += engine.history_seconds;
-  cost->pairs = engine.pairs;
+  cost->pairs = engine.pairs - r->uncounted;
 }

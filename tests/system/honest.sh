@@ -26,6 +26,13 @@ sys.exit(not (worst <= 3e-8 and not silent and 0 < len(free) < len(rows)))
 P
 check "residuals within the tolerance, rows without stress reported as unjammed" test $? = 0
 
+# A path in which slip over a whole increment has no equilibrium, nor a relaxation that commits it an end in reasonable time.
+"$granhom" rve "$friction/n100_p1e-3_s1.data" --path "$friction/p100.csv" --engine native --friction-coefficient 0.5 --tangential-stiffness 0.2 \
+  -o o.csv >said 2>&1
+check "creeping grains come to rest" test $? = 0
+check "all of its increments are in equilibrium" awk -F, 'NR == 1 { for (k = 1; k <= NF; k++) c[$k] = k; next } !($c["residual"] <= 1e-8) { exit 1 }
+  { ramps += $c["ramps"] } END { exit !(NR == 102 && ramps > 50) }' o.csv
+
 # Results are not written over inputs, by whatever name.
 printf 'step,F11,F12,F21,F22\n0,1,0,0,1\n1,0.99,0,0,1\n' >path.csv
 printf 'steps: [{increments: 1, control: {F11: 0.99, F22: 0.99, F12: 0}}]\n' >control.yaml
