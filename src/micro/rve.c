@@ -194,7 +194,8 @@ gh_status gh_rve_evaluate_near(gh_rve *r, const double F[4], const double *near,
   r->m = (gh_rve_measures){.acoustic = NAN, .acoustic_angle = NAN};
   memcpy(r->F, F, sizeof r->F);
   memcpy(r->m.F, F, sizeof r->m.F);
-  if (gh_rve_ramps(r)) GH_TRY(gh_rve_find_pressure(r)); /* not counted: once, or again where it was not kept */
+  if (gh_rve_ramps(r))
+    GH_TRY(gh_rve_find_pressure(r)); /* not counted: once, or again where it was not kept */
   gh_engine_cost before, after;
   gh_engine_costs(r->engine, &before);
   GH_TRY(rve_evaluate(r, near, want, A));
