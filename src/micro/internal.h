@@ -92,10 +92,10 @@ static inline double gh_end_sign(int e) {
 /* ---- rattlers (Table 4.3; method 8.3) ---- */
 
 typedef struct gh_rattlers {
-  unsigned char *flag; /* per member */
-  int *start, *link;   /* contacts of each grain */
-  double *angle;
-  size_t link_capacity, angle_capacity;
+  unsigned char *flag;    /* per member */
+  int *start, *link;      /* contacts of each grain */
+  double (*direction)[3]; /* of the contacts of one grain: unit vector, and what grows with its angle */
+  size_t link_capacity, direction_capacity;
 } gh_rattlers;
 gh_status gh_rattlers_create(gh_context *ctx, int members, gh_rattlers **r);
 void gh_rattlers_destroy(gh_rattlers **r);
@@ -171,7 +171,7 @@ struct gh_rve {
   double shift;        /* of the coupled stiffness in this evaluation: 0 until it has turned out singular */
   double *x, *step;    /* n x 2 work: positions in space of the last evaluation, and of a Newton step */
   double *turn;        /* n work: rotations of a Newton step; NULL without friction */
-  double *x0, *theta0; /* the same, where the way out of a limit cycle started; NULL without friction */
+  double *x0, *theta0; /* the same, where regularised Newton steps started; NULL without friction */
   int *view_grain, *view_id;
   unsigned char *view_flags;
   gh_contact_list list; /* of the last evaluation, the engine's */

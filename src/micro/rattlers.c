@@ -9,6 +9,9 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* Of gaps of half a turn: radians. */
+static const double angle_tolerance = 1e-9;
+
 gh_status gh_rattlers_create(gh_context *ctx, int members, gh_rattlers **rattlers) {
   gh_rattlers *r;
   *rattlers = NULL;
@@ -25,7 +28,7 @@ void gh_rattlers_destroy(gh_rattlers **rattlers) {
   free((*rattlers)->flag);
   free((*rattlers)->start);
   free((*rattlers)->link);
-  free((*rattlers)->angle);
+  free((*rattlers)->direction);
   free(*rattlers);
   *rattlers = NULL;
 }
@@ -34,7 +37,8 @@ void gh_rattlers_destroy(gh_rattlers **rattlers) {
 static gh_status contacts_link(gh_context *ctx, gh_rattlers *r, int n, const gh_contact *contacts,
                                int ncontacts) {
   GH_TRY(gh_grow(ctx, 2 * (size_t)ncontacts + 1, sizeof(int), &r->link_capacity, &r->link));
-  GH_TRY(gh_grow(ctx, 2 * (size_t)ncontacts + 1, sizeof(double), &r->angle_capacity, &r->angle));
+  GH_TRY(
+      gh_grow(ctx, 2 * (size_t)ncontacts + 1, sizeof *r->direction, &r->direction_capacity, &r->direction));
   memset(r->start, 0, ((size_t)n + 2) * sizeof(int));
   for (int c = 0; c < ncontacts; c++) {
     r->start[contacts[c].i + 2]++;
@@ -48,32 +52,62 @@ static gh_status contacts_link(gh_context *ctx, gh_rattlers *r, int n, const gh_
   return GH_OK;
 }
 
-/* Angles of the contacts of grain i with grains that are no rattlers, ascending; returns their number, *force
- * the largest contact force. */
-static int contacts_find_angles(const gh_rattlers *r, int i, const gh_contact *contacts, double *angle,
-                                double *force) {
+/* Contact number `link` of grain i as that grain sees it. */
+static bool contact_is_back(int link) {
+  return link % 2;
+}
+
+/* Grows with the angle of a direction, from 0 along x to 4. */
+static double direction_order(const double n[2]) {
+  const double along = n[0] / (fabs(n[0]) + fabs(n[1]));
+  return n[1] >= 0 ? 1 - along : 3 + along;
+}
+
+/* Directions of the contacts of grain i with grains that are no rattlers, by ascending angle; returns their
+ * number. */
+static int contacts_find_directions(const gh_rattlers *r, int i, const gh_contact *contacts, double (*n)[3]) {
   int count = 0;
-  *force = 0;
   for (int p = r->start[i]; p < r->start[i + 1]; p++) {
     const gh_contact *c = &contacts[r->link[p] / 2];
-    bool back = r->link[p] % 2;
+    const bool back = contact_is_back(r->link[p]);
     if (r->flag[back ? c->i : c->j]) continue;
-    double a = back ? atan2(-c->l[1], -c->l[0]) : atan2(c->l[1], c->l[0]);
+    const double sign = (back ? -1 : 1) / sqrt(c->l[0] * c->l[0] + c->l[1] * c->l[1]),
+                 to[2] = {sign * c->l[0], sign * c->l[1]}, order = direction_order(to);
     int q = count++;
-    for (; q > 0 && angle[q - 1] > a; q--) angle[q] = angle[q - 1];
-    angle[q] = a;
-    *force = gh_max(*force, hypot(c->f[0], c->f[1]));
+    for (; q > 0 && n[q - 1][2] > order; q--) memcpy(n[q], n[q - 1], sizeof n[q]);
+    n[q][0] = to[0], n[q][1] = to[1], n[q][2] = order;
   }
   return count;
 }
 
+/* The angle from one direction on to the next against half a turn: -1 below, 0 equal to it, 1 above. Where the two
+ * are one direction it is none or a whole turn; from the last the first comes next. */
+static int gap_size(const double from[3], const double to[3], bool last) {
+  const double cross = from[0] * to[1] - from[1] * to[0], dot = from[0] * to[0] + from[1] * to[1];
+  if (fabs(cross) > angle_tolerance) return cross > 0 ? -1 : 1;
+  if (dot < 0) return 0;
+  return to[2] + (last ? 4 : 0) - from[2] > 2 ? 1 : -1;
+}
+
+/* The largest force between grain i and grains that are no rattlers. */
+static double contacts_largest_force(const gh_rattlers *r, int i, const gh_contact *contacts) {
+  double force = 0;
+  for (int p = r->start[i]; p < r->start[i + 1]; p++) {
+    const gh_contact *c = &contacts[r->link[p] / 2];
+    if (!r->flag[contact_is_back(r->link[p]) ? c->i : c->j]) force = gh_max(force, hypot(c->f[0], c->f[1]));
+  }
+  return force;
+}
+
 static bool grain_is_rattler(const gh_rattlers *r, int i, const gh_contact *contacts, double mean_force) {
-  double *angle = r->angle, force;
-  int count = contacts_find_angles(r, i, contacts, angle, &force);
+  const int count = contacts_find_directions(r, i, contacts, r->direction);
   if (count < 2) return true;
-  double gap = angle[0] + 2 * GH_PI - angle[count - 1];
-  for (int q = 1; q < count; q++) gap = gh_max(gap, angle[q] - angle[q - 1]);
-  return gap > GH_PI + 1e-9 || (gap >= GH_PI - 1e-9 && force <= 1e-6 * mean_force);
+  int largest = gap_size(r->direction[count - 1], r->direction[0], true);
+  for (int q = 1; q < count && largest <= 0; q++) {
+    const int size = gap_size(r->direction[q - 1], r->direction[q], false);
+    largest = size > largest ? size : largest;
+  }
+  return largest > 0 || (largest == 0 && contacts_largest_force(r, i, contacts) <= 1e-6 * mean_force);
 }
 
 gh_status gh_rattlers_find(gh_context *ctx, gh_rattlers *r, int n, const unsigned char *held,
