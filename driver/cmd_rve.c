@@ -34,6 +34,7 @@ typedef struct job {
   gh_rve *rve, *whole; /* whole: a second path, in whole rows; NULL without an estimate of the error */
   rve_error error;
   rve_doubts doubts; /* of the increment under way */
+  int ramps;         /* the same */
   gh_text *out, *tangent, *dump;
   double written; /* when the files were last written */
   int rows;       /* complete */
@@ -106,7 +107,7 @@ static gh_status write_row(job *j, long step, const double A[16]) {
   if (j->tangent) gh_text_get(j->tangent, &tangent_row);
   const gh_rve_measures *m = gh_rve_measure(j->rve);
   rve_table_row(j->out, step, m, m->seconds, j->args->p.rve.law.friction);
-  if (j->args->p.rve.law.friction) gh_text_print(j->out, ",%d", j->doubts.ramps);
+  if (j->args->p.rve.law.friction) gh_text_print(j->out, ",%d", j->ramps);
   gh_text_print(j->out, "\n");
   if (j->tangent) {
     gh_text_print(j->tangent, "%ld", step);
@@ -119,6 +120,7 @@ static gh_status write_row(job *j, long step, const double A[16]) {
   else if (m->stress_free)
     gh_log(j->ctx, GH_LEVEL_INFO, "step %ld: unjammed, contact forces are round-off: no stress", step);
   rve_doubts_tell(j->ctx, &j->doubts, step);
+  j->ramps = 0;
   if (m->regularised)
     gh_log(j->ctx, GH_LEVEL_WARNING, "step %ld: a mode without stiffness: the tangent is regularised", step);
   return j->dump ? write_frame(j, step) : GH_OK;
@@ -148,6 +150,7 @@ static void count_part(void *data, const gh_rve_measures *m) {
   job *j = data;
   gh_rve_balance_add(&j->error.balance, m);
   rve_doubts_add(&j->doubts, m);
+  j->ramps += m->ramps;
 }
 
 /* The row on the path whose results are written. */

@@ -3,7 +3,6 @@
 #include "rve_doubts.h"
 
 void rve_doubts_add(rve_doubts *d, const gh_rve_measures *m) {
-  d->ramps += m->ramps;
   if (m->accepted) d->residual = gh_max(d->residual, m->residual);
 }
 

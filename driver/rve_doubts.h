@@ -7,7 +7,6 @@
 
 /* Of the substeps of one increment; zero at the start. */
 typedef struct rve_doubts {
-  int ramps;
   double residual; /* the largest of those accepted unconverged; 0: none were */
 } rve_doubts;
 

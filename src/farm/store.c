@@ -124,14 +124,19 @@ static gh_status slot_find(farm_store *s, int number) {
   return GH_OK;
 }
 
+/* Numbers to make room for where this state comes: a new slot may get the end of a ramp, too. */
+static size_t slot_room(const farm_store *s, const slot *q, size_t size) {
+  const bool ramps = gh_rve_has_branches(&s->options) && s->options.integration == GH_INTEGRATION_RAMP;
+  return ramps && q->capacity == 0 ? 2 * size : size;
+}
+
 gh_status farm_store_put(farm_store *s, int number, size_t size, double **state) {
   GH_TRY(slot_find(s, number));
   slot *q = s->slots + number;
+  const size_t room = slot_room(s, q, size);
+  if (room > s->largest) s->largest = room;
   /* Slots go from point to point, and states grow with their contacts: one that must grow at all gets room
    * for any of them. */
-  const size_t room =
-      gh_rve_has_branches(&s->options) ? 2 * size : size; /* a trial may hold the end of a ramp */
-  if (room > s->largest) s->largest = q->capacity == 0 ? room : size > s->largest ? size : s->largest;
   if (size > q->capacity) GH_TRY(gh_grow(s->ctx, s->largest, sizeof *q->data, &q->capacity, &q->data));
   GH_TRY(slot_resize(s, q, size));
   *state = s->slots[number].data;
