@@ -3,9 +3,9 @@
 #ifndef GRANHOM_TESTS_MACRO_HELP_H
 #define GRANHOM_TESTS_MACRO_HELP_H
 
-#include "granhom/macro.h"
-#include "help.h"
+#include "loads_help.h"
 #include "macro/internal.h"
+#include "neo_hooke.h"
 
 #define CLOSE(a, b, limit) NEAR(#a, a, b, limit)
 
@@ -32,16 +32,7 @@ typedef struct point {
 } point;
 
 static inline void neo_hooke(const double F[4], double P[4], double A[16]) {
-  double J = gh_det2(F), G[4];
-  gh_inv2(F, G);
-  for (int i = 0; i < 2; i++)
-    for (int j = 0; j < 2; j++) {
-      P[2 * i + j] = mu * (F[2 * i + j] - G[2 * j + i]) + lambda * log(J) * G[2 * j + i];
-      for (int k = 0; k < 2; k++)
-        for (int l = 0; l < 2; l++)
-          A[8 * i + 4 * j + 2 * k + l] = mu * (i == k && j == l) + lambda * G[2 * j + i] * G[2 * l + k] +
-                                         (mu - lambda * log(J)) * G[2 * j + k] * G[2 * l + i];
-    }
+  neo_hooke_of(mu, lambda, F, P, A);
 }
 
 static inline gh_status evaluate(void *data, const double F[4], unsigned want, double P[4], double A[16]) {
@@ -157,7 +148,7 @@ static inline void drop(problem *p) {
 }
 
 static inline void fix(problem *p, const char *edge, int dir, double value) {
-  assert_int_equal(gh_loads_displace(p->loads, gh_mesh_find(p->mesh, edge), dir, value), GH_OK);
+  loads_hold(p->ctx, p->loads, p->mesh, edge, dir, value);
 }
 
 static inline void press(problem *p, const char *edge, double pressure, bool follow) {

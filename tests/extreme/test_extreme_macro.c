@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-2.0-or-later */
 /* The macro problem at the edges of what can be asked of it. */
+#include "../loads_help.h"
 #include "extreme.h"
-#include "granhom/macro.h"
 
 static const char section[] = "Macro";
 
@@ -48,16 +48,11 @@ static void rectangle(problem *p, gh_context *ctx, double w, double h, int m, in
 }
 
 static void hold(problem *p, const char *set, int dir, double value) {
-  gh_context *ctx = p->ctx;
-  OK(gh_loads_displace(p->loads, gh_mesh_find(p->mesh, set), dir, value));
+  loads_hold(p->ctx, p->loads, p->mesh, set, dir, value);
 }
 
 static void put(problem *p, double eccentricity, double fx, double fy) {
-  gh_context *ctx = p->ctx;
-  int top = gh_mesh_find(p->mesh, "top");
-  double at[2], force[2] = {fx, fy};
-  gh_footing_point(p->mesh, top, eccentricity, at);
-  OK(gh_loads_footing(p->loads, top, at, force));
+  loads_put(p->ctx, p->loads, p->mesh, gh_mesh_find(p->mesh, "top"), eccentricity, fx, fy);
 }
 
 /* A footing with an eccentric load on one element of sand, whatever the stiffness: it moves and turns alike.

@@ -31,10 +31,7 @@ static inline void begin(problem *p) {
 }
 
 static inline void put(problem *p, double eccentricity, double fx, double fy) {
-  gh_context *ctx = p->ctx;
-  double at[2], force[2] = {fx, fy};
-  gh_footing_point(p->mesh, p->top, eccentricity, at);
-  OK(gh_loads_footing(p->loads, p->top, at, force));
+  loads_put(p->ctx, p->loads, p->mesh, p->top, eccentricity, fx, fy);
 }
 
 static inline const gh_mesh_set *edge(const problem *p) {
