@@ -220,8 +220,43 @@ static void relaxes_as_native(void **state) {
   }
 }
 
+/* Two grains that were on the list when it was made are moved apart beyond reach and skin, each by less than
+ * half the skin, and relaxation presses them together: four in a row between fixed ones, 0.08 too long for its
+ * place, so that each of three contacts has a third of that. */
+static void pairs_of_the_list_come_back(void **state) {
+  gh_context *ctx = *state;
+  static const unsigned char held[4] = {0, 0, 1, 1};
+  const double at_list[8] = {0, 0, 2.1, 0, -1.91, 0, 4.01, 0}, third = 0.08 / 3;
+  for (int m = 0; m < 4; m++) {
+    const gh_engine_kind kind = m & 1 ? GH_ENGINE_NATIVE : GH_ENGINE_LAMMPS;
+    gh_contact_law law = LAW;
+    sample s = {.n = 4, .radius = {1, 1, 1, 1}};
+    double x[8], theta[4];
+    gh_relax_result r;
+    gh_contact_list list;
+    if (!use_engine(kind)) continue;
+    law.friction = m / 2;
+    memcpy(s.x_n, at_list, sizeof at_list);
+    memcpy(s.x, at_list, sizeof at_list);
+    gh_engine *e = make_engine_of(ctx, kind, &s, law, held);
+    const gh_converged n = state_n(&s);
+    if (law.friction) OK(gh_engine_begin(e, &n));
+    OK(gh_engine_set(e, s.cell, s.x, s.theta));
+    s.x[0] -= 0.09, s.x[2] += 0.09;
+    OK(gh_engine_move(e, s.x, s.theta));
+    OK(gh_engine_relax(e, &(gh_relax_options){.tolerance = 1e-9, .floor = 1e-9, .max_steps = 1000}, &r));
+    assert_true(r.converged);
+    OK(gh_engine_get(e, x, theta));
+    NEAR("left grain", x[0], 0.09 - third, 1e-9);
+    NEAR("right grain", x[2], 2.01 + third, 1e-9);
+    OK(gh_engine_contacts(e, &list));
+    assert_int_equal(list.count, 3);
+    gh_engine_destroy(&e);
+  }
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {TEST(same_as_native), TEST(no_memory), TEST(relaxes_as_native),
-                                     TEST(damping_is_carried_on)};
+                                     TEST(damping_is_carried_on), TEST(pairs_of_the_list_come_back)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -122,6 +122,8 @@ private:
   void find_pairs();
   void count_pairs();
   void add_pair(int i, int j);
+  bool was_near(int i, int o, const double shift[2], double reach) const;
+  void shift_of(int o, int j, double shift[2]) const;
   void split_candidates();
   void note_committed();
   gh_relax_end kernel(gh_relax_state *s);

@@ -59,6 +59,23 @@ static int owner(const Atom *atom, const std::vector<int> &order, int j) {
                            [tag](int a, tagint id) { return tag[a] < id; });
 }
 
+/* Whether the pair was within reach and skin when the list was made: grains may come back by as much as they have
+ * moved since, and as far again. */
+bool FixRelax::was_near(int i, int o, const double shift[2], double reach) const {
+  const double *at = pair->build_x.data(), *xi = at + 3 * (std::size_t)i, *xo = at + 3 * (std::size_t)o;
+  const double lx = xo[0] + shift[0] - xi[0], ly = xo[1] + shift[1] - xi[1], far = reach + neighbor->skin;
+  return lx * lx + ly * ly <= far * far;
+}
+
+/* Lattice vectors from the owner o of atom j to it. */
+void FixRelax::shift_of(int o, int j, double shift[2]) const {
+  const double *xj = atom->x[j], *xo = atom->x[o];
+  const double ky = domain->yperiodic ? std::round((xj[1] - xo[1]) / domain->yprd) : 0,
+               kx = domain->xperiodic ? std::round((xj[0] - xo[0] - ky * domain->xy) / domain->xprd) : 0;
+  shift[0] = kx * domain->xprd + ky * domain->xy;
+  shift[1] = ky * domain->yprd;
+}
+
 /* Adds the pair to the kernel's list: lower id first, ghosts as their owner and a sum of lattice vectors.
  * With newton off a pair with a ghost is listed from both sides. A grain's own images exert no net force;
  * with friction they exert a moment, and the one of the two sides that the keys name stands for both. */
@@ -68,13 +85,10 @@ void FixRelax::add_pair(int i, int j) {
   if (o == i ? !history || k[1] < 0 || (k[1] == 0 && k[0] < 0)
              : j >= atom->nlocal && !force->newton_pair && rank[i] > rank[o])
     return;
-  const double *xi = atom->x[i], *xj = atom->x[j], *xo = atom->x[o];
-  double reach = atom->radius[i] + atom->radius[j], far = reach + neighbor->skin;
-  double lx = xj[0] - xi[0], ly = xj[1] - xi[1];
-  if (lx * lx + ly * ly > far * far) return;
-  double ky = domain->yperiodic ? std::round((xj[1] - xo[1]) / domain->yprd) : 0;
-  double kx = domain->xperiodic ? std::round((xj[0] - xo[0] - ky * domain->xy) / domain->xprd) : 0;
-  gh_pair p = {rank[i], rank[o], {kx * domain->xprd + ky * domain->xy, ky * domain->yprd}, reach};
+  const double reach = atom->radius[i] + atom->radius[j];
+  gh_pair p = {rank[i], rank[o], {0, 0}, reach};
+  shift_of(o, j, p.shift);
+  if (!was_near(i, o, p.shift, reach)) return;
   const bool swap = p.i > p.j;
   if (swap) p = {p.j, p.i, {-p.shift[0], -p.shift[1]}, reach};
   if (!history) {
@@ -123,10 +137,10 @@ void FixRelax::count_pairs() {
   for (int ii = 0; ii < list->inum; ii++) {
     const int i = list->ilist[ii];
     for (int jj = 0; jj < list->numneigh[i]; jj++) {
-      const int j = list->firstneigh[i][jj] & NEIGHMASK;
-      const double lx = atom->x[j][0] - atom->x[i][0], ly = atom->x[j][1] - atom->x[i][1],
-                   far = r[i] + r[j] + neighbor->skin;
-      if (lx * lx + ly * ly <= far * far) halves += j < atom->nlocal || force->newton_pair ? 2 : 1;
+      const int j = list->firstneigh[i][jj] & NEIGHMASK, o = owner(atom, order, j);
+      double shift[2];
+      shift_of(o, j, shift);
+      if (was_near(i, o, shift, r[i] + r[j])) halves += j < atom->nlocal || force->newton_pair ? 2 : 1;
     }
   }
   listed = halves / 2;
