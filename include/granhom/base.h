@@ -171,6 +171,19 @@ static inline void gh_apply2(const double a[4], const double x[2], double y[2]) 
   y[0] = y0;
   y[1] = y1;
 }
+/* The rotation of the polar decomposition of a, det a > 0. */
+static inline double gh_turn2(const double a[4]) {
+  return atan2(a[2] - a[1], a[0] + a[3]);
+}
+/* The strain from one gradient to another, without rotation: |R^T to from^-1 - 1|. */
+static inline double gh_strain2(const double from[4], const double to[4]) {
+  double f[4];
+  gh_inv2(from, f);
+  gh_mul2(to, f, f);
+  const double turn = gh_turn2(f), c = cos(turn), s = sin(turn), xx = c * f[0] + s * f[2] - 1,
+               xy = c * f[1] + s * f[3], yx = c * f[2] - s * f[0], yy = c * f[3] - s * f[1] - 1;
+  return sqrt(xx * xx + xy * xy + yx * yx + yy * yy);
+}
 /* Cauchy stress s = P F^T / det F. */
 static inline void gh_cauchy2(const double P[4], const double F[4], double s[4]) {
   double J = gh_det2(F);

@@ -3,7 +3,8 @@
  *
  * Relaxation alone decides on which branch the packing ends. Newton takes over only where it cannot change
  * the branch: while the stiffness is positive definite (with friction, where it is not symmetric: regular)
- * and every full step at least halves the residual; else relaxation continues, to a tenth of the residual. */
+ * and every full step at least halves the residual; else relaxation continues, to a tenth of the residual.
+ * With friction relaxation may find none: then a ramp leads to F (ramp.c), or Newton out of a limit cycle. */
 #include "micro/internal.h"
 
 static const double first_relaxation = 1e-5;

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-2.0-or-later */
-/* Newton steps of the free grains: the finish of a relaxation, and leaving a limit cycle (method 3). */
+/* Newton steps of the free grains: the finish of a relaxation, of the last part behind a ramp, and leaving a
+ * limit cycle (method 3). */
 #include "micro/internal.h"
 
 #include <string.h>
@@ -140,8 +141,8 @@ static gh_status newton_step(gh_rve *r, double fall, bool *falls) {
   return GH_OK;
 }
 
-/* Forces with friction have no potential, and relaxation may end in a limit cycle around an equilibrium.
- * Newton goes there, as long as every step halves the residual; floating grains, which would make the matrix
+/* Forces with friction have no potential, and relaxation may end in a limit cycle around an equilibrium, or come
+ * slowly to that of the last part behind a ramp, where contacts slide. Newton goes there, as long as every step halves the residual; floating grains, which would make the matrix
  * singular or be thrown far, get more and more stiffness of their own. Where it does not come to the
  * end, all is as it was: it may have gone back to an equilibrium that is unstable, which relaxation is just
  * leaving. */

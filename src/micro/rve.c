@@ -155,7 +155,7 @@ static void rotations_guess(gh_rve *r, const gh_start *b) {
   double f[4], inverse[4];
   gh_inv2(b->F, inverse);
   gh_mul2(r->F, inverse, f);
-  double turn = r->turns ? atan2(f[2] - f[1], f[0] + f[3]) : 0;
+  double turn = r->turns ? gh_turn2(f) : 0;
   for (int i = 0; i < r->n; i++) r->theta[i] = b->theta[i] + turn;
 }
 

@@ -7,40 +7,20 @@
  * lists, and what was committed by the images between positions as the RVE keeps them. */
 #include "engine/lammps/bridge.h"
 
+#include "contact/slips.h"
+
 #include <string.h>
 
 /* ---- history ---- */
-
-static int slip_order(const gh_slip *a, const gh_slip *b) {
-  if (a->i != b->i) return a->i < b->i ? -1 : 1;
-  if (a->j != b->j) return a->j < b->j ? -1 : 1;
-  if (a->image[1] != b->image[1]) return a->image[1] < b->image[1] ? -1 : 1;
-  return a->image[0] < b->image[0] ? -1 : a->image[0] > b->image[0];
-}
 
 /* LAMMPS has them by (i, j): only images of one pair change places. */
 static void slips_sort(gh_slip *s, int count) {
   for (int a = 1; a < count; a++) {
     const gh_slip moved = s[a];
     int b = a;
-    for (; b > 0 && slip_order(&s[b - 1], &moved) > 0; b--) s[b] = s[b - 1];
+    for (; b > 0 && gh_slip_order(&s[b - 1], &moved) > 0; b--) s[b] = s[b - 1];
     s[b] = moved;
   }
-}
-
-/* Of the slips at n those that `committed` no longer has: a contact that is apart keeps its hardening, and
- * nothing else (method 8.10). They stay in e->slips; returns their number. */
-static int slips_put_apart(bridge *e, const gh_slip *committed, int count) {
-  int apart = 0;
-  for (int a = 0, b = 0; a < e->nslips; a++) {
-    const gh_slip *s = &e->slips[a];
-    while (b < count && slip_order(&committed[b], s) < 0) b++;
-    if ((b < count && slip_order(&committed[b], s) == 0) || s->alpha == 0) continue;
-    e->slips[apart] = *s;
-    e->slips[apart].gamma = e->slips[apart].gamma_pl = 0;
-    apart++;
-  }
-  return apart;
 }
 
 /* The slips of state n become those that the kernel has committed. */
@@ -52,10 +32,7 @@ static gh_status slips_take(bridge *e, const gh_slip *committed, int count) {
     bridge_image_as_given(e, to[c].i, to[c].j, committed[c].image, to[c].image);
   }
   slips_sort(to, count);
-  int a = count - 1, b = slips_put_apart(e, to, count) - 1;
-  e->nslips = a + b + 2;
-  for (int k = e->nslips - 1; b >= 0; k--) /* both are sorted: merged from the end */
-    to[k] = a >= 0 && slip_order(&to[a], &e->slips[b]) > 0 ? to[a--] : e->slips[b--];
+  e->nslips = gh_slips_add_opened(to, count, e->slips, e->nslips);
   const size_t capacity = e->keyed_capacity;
   e->keyed = e->slips, e->keyed_capacity = e->slip_capacity;
   e->slips = to, e->slip_capacity = capacity;
@@ -147,7 +124,7 @@ gh_status bridge_ramp(void *self, const gh_ramp *o, gh_ramp_result *result) {
   memcpy(from, e->cell, sizeof from);
   f.ramp = &ramp;
   while (end == GH_RELAX_REBUILD && r->steps < o->max_steps) GH_TRY(ramp_on_list(e, o, from, &f, r, &end));
-  r->converged = end == GH_RELAX_CONVERGED || end == GH_RELAX_UNJAMMED;
+  r->converged = gh_relax_at_rest(end);
   r->least_damping = f.watch.least;
   result->done = ramp.done;
   result->dissipated = ramp.dissipated;

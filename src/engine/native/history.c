@@ -2,6 +2,8 @@
 /* The converged state n of the native engine. */
 #include "engine/native/history.h"
 
+#include "contact/slips.h"
+
 #include <stdlib.h>
 #include <string.h>
 
@@ -30,12 +32,14 @@ gh_status gh_history_begin(gh_context *ctx, gh_history *h, int n, bool periodic,
   return GH_OK;
 }
 
-/* Order of a slip and of a pair with the image k: negative where the slip comes first. */
-static int order(const gh_slip *s, const gh_pair *p, const int k[2]) {
-  if (s->i != p->i) return s->i < p->i ? -1 : 1;
-  if (s->j != p->j) return s->j < p->j ? -1 : 1;
-  if (s->image[1] != k[1]) return s->image[1] < k[1] ? -1 : 1;
-  return s->image[0] < k[0] ? -1 : s->image[0] > k[0];
+/* The history of pair number p of the list, as the memory has it. */
+static gh_slip pair_slip(const gh_neighbours *nb, size_t p, const gh_pair_memory *m) {
+  return (gh_slip){.i = nb->pairs[p].i,
+                   .j = nb->pairs[p].j,
+                   .image = {nb->image[2 * p], nb->image[2 * p + 1]},
+                   .gamma = m->gamma,
+                   .gamma_pl = m->gamma_pl,
+                   .alpha = m->alpha};
 }
 
 gh_status gh_history_recall(gh_context *ctx, gh_history *h, const gh_neighbours *nb) {
@@ -48,8 +52,9 @@ gh_status gh_history_recall(gh_context *ctx, gh_history *h, const gh_neighbours 
     *m = (gh_pair_memory){0};
     for (int c = 0; c < 2; c++)
       m->ln[c] = h->x[2 * q->j + c] - h->x[2 * q->i + c] + h->cell[2 * c] * k[0] + h->cell[2 * c + 1] * k[1];
-    while (s < h->nslips && order(&h->slips[s], q, k) < 0) s++; /* pairs that have gone far apart */
-    if (s == h->nslips || order(&h->slips[s], q, k) != 0) continue;
+    const gh_slip key = pair_slip(nb, p, m);
+    while (s < h->nslips && gh_slip_order(&h->slips[s], &key) < 0) s++; /* pairs that have gone far apart */
+    if (s == h->nslips || gh_slip_order(&h->slips[s], &key) != 0) continue;
     m->gamma = h->slips[s].gamma;
     m->gamma_pl = h->slips[s].gamma_pl;
     m->alpha = h->slips[s].alpha;
@@ -57,39 +62,20 @@ gh_status gh_history_recall(gh_context *ctx, gh_history *h, const gh_neighbours 
   return GH_OK;
 }
 
-/* Of a slip without a pair. */
-static void history_put_apart(gh_slip *to, size_t *count, const gh_slip *old) {
-  if (old->alpha == 0) return;
-  to[*count] = *old;
-  to[*count].gamma = to[*count].gamma_pl = 0;
-  ++*count;
-}
-
 gh_status gh_history_store(gh_context *ctx, gh_history *h, const gh_neighbours *nb, int n, const double *x,
                            const double cell[4]) {
   const size_t most = nb->npairs + h->nslips + 1; /* the two change places: both must be large enough */
   GH_TRY(gh_grow(ctx, most, sizeof(gh_slip), &h->spare_capacity, &h->spare));
   GH_TRY(gh_grow(ctx, most, sizeof(gh_slip), &h->slip_capacity, &h->slips));
-  size_t s = 0, count = 0;
-  for (size_t p = 0; p < nb->npairs; p++) { /* both are sorted alike */
-    const gh_pair *q = &nb->pairs[p];
-    const int *k = nb->image + 2 * p;
-    const gh_pair_memory *m = &h->memory[p];
-    for (; s < h->nslips && order(&h->slips[s], q, k) < 0; s++)
-      history_put_apart(h->spare, &count, &h->slips[s]);
-    if (s < h->nslips && order(&h->slips[s], q, k) == 0) s++;
-    if (m->gamma == 0 && m->gamma_pl == 0 && m->alpha == 0) continue;
-    h->spare[count++] = (gh_slip){.i = q->i,
-                                  .j = q->j,
-                                  .image = {k[0], k[1]},
-                                  .gamma = m->gamma,
-                                  .gamma_pl = m->gamma_pl,
-                                  .alpha = m->alpha};
+  int count = 0;
+  for (size_t p = 0; p < nb->npairs; p++) {
+    const gh_slip now = pair_slip(nb, p, &h->memory[p]);
+    if (now.gamma != 0 || now.gamma_pl != 0 || now.alpha != 0) h->spare[count++] = now;
   }
-  for (; s < h->nslips; s++) history_put_apart(h->spare, &count, &h->slips[s]);
+  count = gh_slips_add_opened(h->spare, count, h->slips, (int)h->nslips);
   gh_slip *const swap = h->slips;
   const size_t capacity = h->slip_capacity;
-  h->slips = h->spare, h->slip_capacity = h->spare_capacity, h->nslips = count;
+  h->slips = h->spare, h->slip_capacity = h->spare_capacity, h->nslips = (size_t)count;
   h->spare = swap, h->spare_capacity = capacity;
   memcpy(h->x, x, 2 * (size_t)n * sizeof(double));
   if (cell) memcpy(h->cell, cell, sizeof h->cell);

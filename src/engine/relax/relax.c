@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-2.0-or-later */
 /* Dynamic relaxation on a list of neighbour pairs (dissertation 4.4). */
-#include "engine/relax/relax.h"
+#include "engine/relax/relax_parts.h"
 
 #include "contact/normal.h"
 
@@ -14,31 +14,27 @@ enum { BOUND_EVERY = 32 }; /* steps between two bounds of the largest eigenvalue
  * without damping never come to rest. */
 static const double LEAST_DAMPING = 1e-2;
 
-/* Numbers of each pair, one array for each, so that the loop over pairs vectorises: what it is, and its force on
- * grain i and overlap. */
-enum { SHIFT_X, SHIFT_Y, REACH, GIVEN };
-enum { FORCE_X, FORCE_Y, OVERLAP, EXERTED };
 enum { PER_BLOCK = 3 };
 
 /* The parts of the work space. */
 typedef struct parts {
-  double *given; /* GIVEN x npairs */
-  double *pair;  /* EXERTED x npairs */
+  double *given; /* PAIR_GIVEN x npairs */
+  double *pair;  /* PAIR_EXERTED x npairs */
   double *old;   /* 2 n: forces of the last step */
   double *block; /* PER_BLOCK n: stiffness of each grain alone */
   int *i, *j;    /* npairs: grains of each pair */
 } parts;
 
 size_t gh_relax_work(int n, int npairs) {
-  return (GIVEN + EXERTED) * (size_t)npairs + (2 + PER_BLOCK) * (size_t)n +
+  return (PAIR_GIVEN + PAIR_EXERTED) * (size_t)npairs + (2 + PER_BLOCK) * (size_t)n +
          (2 * (size_t)npairs * sizeof(int) + sizeof(double) - 1) / sizeof(double);
 }
 
 static parts divide(const gh_relax_state *s) {
   const size_t n = (size_t)s->n, npairs = (size_t)s->npairs;
   parts w = {.given = s->work};
-  w.pair = w.given + GIVEN * npairs;
-  w.old = w.pair + EXERTED * npairs;
+  w.pair = w.given + PAIR_GIVEN * npairs;
+  w.old = w.pair + PAIR_EXERTED * npairs;
   w.block = w.old + 2 * n;
   w.i = (int *)(void *)(w.block + PER_BLOCK * n);
   w.j = w.i + npairs;
@@ -47,14 +43,7 @@ static parts divide(const gh_relax_state *s) {
 
 void gh_relax_begin(gh_relax_state *s) {
   const parts w = divide(s);
-  const size_t n = (size_t)s->npairs;
-  for (size_t p = 0; p < n; p++) {
-    const gh_pair *q = &s->pairs[p];
-    w.given[SHIFT_X * n + p] = q->shift[0];
-    w.given[SHIFT_Y * n + p] = q->shift[1];
-    w.given[REACH * n + p] = q->reach;
-    w.i[p] = q->i, w.j[p] = q->j;
-  }
+  gh_pairs_lay_out(s->pairs, (size_t)s->npairs, w.given, w.i, w.j);
 }
 
 /* Forces and overlaps of all pairs, without branches so that it vectorises; negative: apart. */
@@ -72,32 +61,8 @@ static void pair_forces(const int *restrict first, const int *restrict second, s
   }
 }
 
-/* Adds the forces of the pairs to the grains; returns the mean overlap. Pairs are sorted by i: that side is
- * summed in registers. */
 static double gather(const gh_relax_state *s, const parts *w) {
-  const size_t n = (size_t)s->npairs;
-  const double *restrict pair = w->pair;
-  const int *restrict first = w->i, *restrict second = w->j;
-  double *restrict f = s->f, overlap = 0;
-  int contacts = 0;
-  memset(f, 0, 2 * (size_t)s->n * sizeof *f);
-  for (size_t p = 0; p < n;) {
-    const int i = first[p];
-    double fx = 0, fy = 0;
-    for (; p < n && first[p] == i; p++) {
-      const int j = second[p];
-      const double px = pair[FORCE_X * n + p], py = pair[FORCE_Y * n + p], e = pair[OVERLAP * n + p];
-      fx += px;
-      fy += py;
-      f[2 * j] -= px;
-      f[2 * j + 1] -= py;
-      overlap += e >= 0 ? e : 0;
-      contacts += e >= 0;
-    }
-    f[2 * i] += fx;
-    f[2 * i + 1] += fy;
-  }
-  return contacts ? overlap / contacts : 0;
+  return gh_pairs_gather(s->n, (size_t)s->npairs, w->i, w->j, w->pair, NULL, s->f, NULL);
 }
 
 double gh_relax_largest(int n, const unsigned char *held, const double *f, const double *couple) {

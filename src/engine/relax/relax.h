@@ -51,6 +51,9 @@ typedef enum gh_relax_end {
   GH_RELAX_STEPS,
   GH_RELAX_UNJAMMED
 } gh_relax_end;
+static inline int gh_relax_at_rest(gh_relax_end end) {
+  return end == GH_RELAX_CONVERGED || end == GH_RELAX_UNJAMMED;
+}
 
 /* Runs central differences (4.39), (4.40) with unit masses until the residual is at most `tolerance`, the
  * list must be rebuilt, `max_steps` force evaluations are spent, or the mean normal force is at most

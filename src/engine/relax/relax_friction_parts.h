@@ -4,12 +4,12 @@
 #define GRANHOM_ENGINE_RELAX_FRICTION_PARTS_H
 
 #include "engine/relax/relax_friction.h"
+#include "engine/relax/relax_parts.h"
 #include "granhom/base.h"
 
-/* Numbers of each pair: what it is and remembers, one array for each, so that loops over pairs vectorise; and
- * what it exerts: force on grain i, couple, overlap. */
-enum { SHIFT_X, SHIFT_Y, REACH, LN_X, LN_Y, GAMMA, GAMMA_PL, ALPHA, GIVEN };
-enum { FORCE_X, FORCE_Y, COUPLE, OVERLAP, DISSIPATED, EXERTED };
+/* What a pair remembers and exerts, too. */
+enum { LN_X = PAIR_GIVEN, LN_Y, GAMMA, GAMMA_PL, ALPHA, GIVEN };
+enum { COUPLE = PAIR_EXERTED, DISSIPATED, EXERTED };
 enum { PER_BLOCK = 6 };
 
 /* The gh_friction_parts of the work space. */

@@ -142,6 +142,8 @@ static void start(gh_relax_friction *s) {
   memset(s->grains.v, 0, 2 * (size_t)s->grains.n * sizeof(double));
   if (!s->law->fixed_rotations) memset(s->w, 0, (size_t)s->grains.n * sizeof(double));
 }
+
+/* Where grains are, for creep_on. */
 static void creep_note(const gh_relax_friction *s, const gh_friction_parts *w) {
   const size_t n = (size_t)s->grains.n;
   memcpy(w->crept, s->grains.x, 2 * n * sizeof(double));

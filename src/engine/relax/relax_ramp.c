@@ -45,7 +45,7 @@ void gh_ramp_advance(gh_relax_friction *s, const gh_friction_parts *w) {
     w->given[SHIFT_X * n + p] = D[0] * shift[0] + D[1] * shift[1];
     w->given[SHIFT_Y * n + p] = D[2] * shift[0] + D[3] * shift[1];
   }
-  const double turn = atan2(D[2] - D[1], D[0] + D[3]);
+  const double turn = gh_turn2(D);
   for (int i = 0; i < g->n && !s->law->fixed_rotations; i++) s->theta[i] += turn;
 }
 
@@ -53,15 +53,10 @@ void gh_ramp_advance(gh_relax_friction *s, const gh_friction_parts *w) {
  * since then, too. */
 double gh_ramp_slack(const gh_relax_friction *s, const gh_ramp_list *list) {
   const double slack = s->grains.slack;
-  double now[4], inverse[4], D[4], strain = 0;
+  double now[4];
   if (!s->ramp) return slack;
   gh_relax_ramp_gradient(s->ramp, now);
-  gh_inv2(list->from, inverse);
-  gh_mul2(now, inverse, D);
-  const double turn = atan2(D[2] - D[1], D[0] + D[3]), c = cos(turn), si = sin(turn);
-  const double out[4] = {D[0] - c, D[1] + si, D[2] - si, D[3] - c};
-  for (int k = 0; k < 4; k++) strain += out[k] * out[k];
-  return fmax(0, slack - 0.5 * sqrt(strain) * (list->reach + 2 * slack));
+  return fmax(0, slack - 0.5 * gh_strain2(list->from, now) * (list->reach + 2 * slack));
 }
 
 gh_relax_end gh_ramp_end(gh_relax_friction *s, const gh_friction_parts *w, gh_relax_end end) {
