@@ -15,6 +15,8 @@ static const char *const integrations[] = {
 static const char *const rotations[] = {"free", "fixed", NULL};
 static const char *const slips[] = {
     [GH_SLIP_PROJECTED] = "projected", [GH_SLIP_OBJECTIVE] = "objective", NULL};
+static const char *const hardening_laws[] = {
+    [GH_HARDENING_PRINTED] = "printed", [GH_HARDENING_PROPORTIONAL] = "proportional", NULL};
 
 #define PLACE(member) .place = offsetof(packing_options, member)
 
@@ -70,6 +72,15 @@ const option_row packing_contact_rows[] = {
      PLACE(contact.hardening),
      .standard = "0",
      .help = "growth of the friction limit with plastic slip, force per length, >= 0; with friction"},
+    {.name = "hardening-law",
+     .argument = "WORD",
+     .kind = OPTION_CHOICE,
+     .words = hardening_laws,
+     PLACE(contact.hardening_law),
+     .standard = "printed",
+     .help =
+         "printed: the limit grows by H times plastic slip; proportional: by that times the normal force, "
+         "with H per length; with friction"},
     {.name = "rotations",
      .argument = "WORD",
      .kind = OPTION_CHOICE,
@@ -162,7 +173,8 @@ void packing_defaults(packing_options *o) {
                                      .hardening = NAN,
                                      .overlap = NAN,
                                      .rotations = -1,
-                                     .slip = -1},
+                                     .slip = -1,
+                                     .hardening_law = -1},
                          .rve = gh_rve_defaults()};
 }
 
@@ -170,6 +182,7 @@ void packing_defaults(packing_options *o) {
 static const char *friction_option(const contact_options *c) {
   if (!isnan(c->tangential)) return "--tangential-stiffness";
   if (!isnan(c->hardening)) return "--hardening";
+  if (c->hardening_law >= 0) return "--hardening-law";
   if (c->rotations >= 0) return "--rotations";
   return c->slip >= 0 ? "--slip" : NULL;
 }
@@ -190,6 +203,7 @@ static gh_status law_set(gh_context *ctx, const contact_options *c, gh_contact_l
   law->hardening = isnan(c->hardening) ? 0 : c->hardening;
   law->fixed_rotations = c->rotations > 0;
   law->slip = c->slip > 0 ? GH_SLIP_OBJECTIVE : GH_SLIP_PROJECTED;
+  law->hardening_law = c->hardening_law > 0 ? GH_HARDENING_PROPORTIONAL : GH_HARDENING_PRINTED;
   return GH_OK;
 }
 

@@ -10,7 +10,7 @@
 /* The contact law; NAN and -1: not given. */
 typedef struct contact_options {
   double normal, angle, coefficient, tangential, hardening, overlap;
-  int rotations, slip;
+  int rotations, slip, hardening_law;
 } contact_options;
 
 typedef struct packing_options {

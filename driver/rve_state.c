@@ -3,8 +3,9 @@
  *
  * boundary          word
  * law               7: normal stiffness, friction or not, tangential stiffness, friction coefficient,
- * hardening, measure of slip, rotations fixed or not state             what gh_rve_save gives packing/cell 2
- * x 2;   packing/radius   grains;   packing/x   grains x 2;   blas   word
+ *                   hardening, measure of slip and twice the law of hardening, rotations fixed or not
+ * state             what gh_rve_save gives
+ * packing/cell      2 x 2;   packing/radius   grains;   packing/x   grains x 2;   blas   word
  *
  * A state is numbers without a meaning of their own: loaded into another packing it would be a wrong answer
  * that looks right. Therefore the packing goes along, and is compared to the last bit. */
@@ -17,7 +18,7 @@
 
 #define KIND "state 2"
 
-enum { LAW = 7 };
+enum { SLIP = 5, HARDENING_LAW = 7, LAW = 8, STORED = 7 };
 
 /* Without friction the other parameters mean nothing. */
 static void law_numbers(const gh_contact_law *law, double out[LAW]) {
@@ -28,8 +29,9 @@ static void law_numbers(const gh_contact_law *law, double out[LAW]) {
   out[2] = law->tangential_stiffness;
   out[3] = law->friction_coefficient;
   out[4] = law->hardening;
-  out[5] = law->slip;
+  out[SLIP] = law->slip;
   out[6] = law->fixed_rotations != 0;
+  out[HARDENING_LAW] = law->hardening_law;
 }
 
 static gh_status put(gh_context *ctx, gh_h5 *file, const gh_rve *rve, const gh_rve_options *o,
@@ -37,11 +39,12 @@ static gh_status put(gh_context *ctx, gh_h5 *file, const gh_rve *rve, const gh_r
   double law[LAW];
   gh_rve_save(rve, state);
   law_numbers(&o->law, law);
+  law[SLIP] += 2 * law[HARDENING_LAW];
   char blas[GH_BLAS_SIZE];
   GH_TRY(gh_blas(ctx, blas, sizeof blas));
   GH_TRY(gh_h5_put_text(file, "boundary", gh_boundary_name(o->boundary)));
   GH_TRY(gh_h5_put_text(file, "blas", blas));
-  GH_TRY(gh_h5_put_doubles(file, "law", LAW, 1, law));
+  GH_TRY(gh_h5_put_doubles(file, "law", STORED, 1, law));
   GH_TRY(gh_h5_put_doubles(file, "packing/cell", 2, 2, p->cell));
   GH_TRY(gh_h5_put_doubles(file, "packing/radius", (size_t)p->n, 1, p->radius));
   GH_TRY(gh_h5_put_doubles(file, "packing/x", (size_t)p->n, 2, p->x));
@@ -90,10 +93,13 @@ static gh_status check_law(gh_context *ctx, const char *path, gh_h5 *file, const
                                          "friction coefficient",
                                          "hardening",
                                          "measure of slip (0 projected, 1 objective)",
-                                         "rotations fixed (1) or free (0)"};
+                                         "rotations fixed (1) or free (0)",
+                                         "law of hardening (0 printed, 1 proportional)"};
   double there[LAW], here[LAW];
   law_numbers(law, here);
-  GH_TRY(gh_h5_get_doubles(file, "law", LAW, 1, there));
+  GH_TRY(gh_h5_get_doubles(file, "law", STORED, 1, there));
+  there[HARDENING_LAW] = floor(there[SLIP] / 2);
+  there[SLIP] -= 2 * there[HARDENING_LAW];
   for (int k = 0; k < LAW; k++)
     if (there[k] != here[k])
       return gh_fail(ctx, GH_INPUT,

@@ -11,15 +11,20 @@ extern "C" {
  * angle between the branch vectors, which a rigid rotation of any size leaves at zero (method 8.7). */
 typedef enum gh_slip_measure { GH_SLIP_PROJECTED, GH_SLIP_OBJECTIVE } gh_slip_measure;
 
+/* How the friction limit grows with the hardening variable: f_n tan(rho) + h alpha, which stays when the normal
+ * force goes, as printed in Table 7.1; or f_n (tan(rho) + h alpha), which goes with it. */
+typedef enum gh_hardening_law { GH_HARDENING_PRINTED, GH_HARDENING_PROPORTIONAL } gh_hardening_law;
+
 /* Parameters of the contact between two grains. All zero but the first: frictionless. */
 typedef struct gh_contact_law {
   double normal_stiffness; /* E_n > 0, force per length */
   int friction; /* nonzero: Coulomb friction by return mapping (Table 7.1); 0: the rest is unused */
   double tangential_stiffness; /* E_t > 0, force per length */
   double friction_coefficient; /* tan(rho) >= 0 */
-  double hardening;            /* h >= 0, force per length */
+  double hardening;            /* h >= 0, force per length; proportional: 1/length */
   gh_slip_measure slip;
   int fixed_rotations; /* nonzero: grains do not rotate */
+  gh_hardening_law hardening_law;
 } gh_contact_law;
 
 /* One contact of a packing. The branch vector goes from grain i to the image of grain j that it touches. */
@@ -49,9 +54,10 @@ typedef struct gh_friction {
   double couple; /* M = c s f_t: the moments on i and j are -r_i M and -r_j M (7.23; method 8.8) */
   double d[9];   /* derivative of (f_x, f_y, M) with respect to (l_x, l_y, q), row-major, at fixed state n;
                     q = r_i (theta_i - theta_i^n) + r_j (theta_j - theta_j^n) */
-  double energy; /* E_t gamma_el^2 / 2 + h alpha^2 / 2 (7.6) */
-  double dissipated; /* dlambda f_n tan(rho) of this step (7.13) */
-  int slides;        /* nonzero: on the Coulomb limit */
+  double energy; /* E_t gamma_el^2 / 2 + h alpha^2 / 2 (7.6); proportional hardening stores nothing */
+  double
+      dissipated; /* dlambda f_n tan(rho) of this step (7.13), and dlambda f_n h alpha where that is lost */
+  int slides;     /* nonzero: on the Coulomb limit */
 } gh_friction;
 
 #ifdef __cplusplus

@@ -30,6 +30,24 @@ typedef struct gh_coulomb_result {
   int slides;                    /* 0, or the sign of the sliding force */
 } gh_coulomb_result;
 
+static inline int gh_coulomb_is_proportional(const gh_contact_law *law) {
+  return law->hardening_law == GH_HARDENING_PROPORTIONAL;
+}
+/* What the friction limit has of the normal force: tan(rho), with proportional hardening. */
+static inline double gh_coulomb_coefficient(const gh_contact_law *law, double alpha) {
+  const double mu = law->friction_coefficient;
+  return gh_coulomb_is_proportional(law) ? mu + law->hardening * alpha : mu;
+}
+/* The friction limit at the normal force fn. */
+static inline double gh_coulomb_limit(const gh_contact_law *law, double fn, double alpha) {
+  const double mu = law->friction_coefficient, h = law->hardening;
+  return gh_coulomb_is_proportional(law) ? fn * (mu + h * alpha) : fn * mu + h * alpha;
+}
+/* By how much that grows with alpha. Pairs that are apart are evaluated too, with any result. */
+static inline double gh_coulomb_growth(const gh_contact_law *law, double fn) {
+  return gh_coulomb_is_proportional(law) ? law->hardening * (fn > 0 ? fn : 0) : law->hardening;
+}
+
 /* Slip of the increment (7.5), (method 8.7), and the scaling c (7.20). */
 static inline double gh_coulomb_slip(const gh_contact_law *law, const gh_coulomb_step *s, double *c) {
   const double dot = s->ln[0] * s->l[0] + s->ln[1] * s->l[1], /* |l_n| |l| cos */
@@ -46,18 +64,20 @@ static inline double gh_coulomb_slip(const gh_contact_law *law, const gh_coulomb
 /* Table 7.1 for a contact with overlap >= 0. Without branches, so that loops over contacts vectorise. */
 static inline void gh_coulomb_evaluate(const gh_contact_law *law, const gh_coulomb_step *s,
                                        gh_coulomb_result *r) {
-  const double Et = law->tangential_stiffness, h = law->hardening, e = s->reach - s->d,
-               fn = law->normal_stiffness * e;
+  const double Et = law->tangential_stiffness, e = s->reach - s->d, fn = law->normal_stiffness * e;
   r->gamma = s->gamma + gh_coulomb_slip(law, s, &r->c);
   r->gamma_pl = s->gamma_pl;
   r->alpha = s->alpha;
   const double trial = Et * (r->gamma - r->gamma_pl), size = fabs(trial), sign = copysign(1, trial),
-               beyond = size - h * r->alpha - fn * law->friction_coefficient, slip = beyond > 0 ? beyond : 0;
+               beyond = gh_coulomb_is_proportional(law)
+                            ? size - fn * gh_coulomb_coefficient(law, r->alpha)
+                            : size - law->hardening * r->alpha - fn * law->friction_coefficient,
+               slip = beyond > 0 ? beyond : 0;
   /* (7.16), (7.17); the force is taken from the limit, so that no friction is exactly none */
-  r->multiplier = slip / (Et + h);
+  r->multiplier = slip / (Et + gh_coulomb_growth(law, fn));
   r->gamma_pl += r->multiplier * sign;
   r->alpha += r->multiplier;
-  const double limit = fn * law->friction_coefficient + h * r->alpha;
+  const double limit = gh_coulomb_limit(law, fn, r->alpha);
   r->force = sign * (beyond > 0 ? limit : size);
   r->slides = beyond > 0 ? (trial > 0 ? 1 : -1) : 0;
   r->couple = r->c * (s->d / s->reach) * r->force;
@@ -70,10 +90,11 @@ static inline void gh_coulomb_evaluate(const gh_contact_law *law, const gh_coulo
  * limit moves with the overlap, and c and s = |l|/(r_i + r_j) with the branch vector (method 8.12). */
 static inline void gh_coulomb_derivative(const gh_contact_law *law, const gh_coulomb_step *s,
                                          const gh_coulomb_result *r, double *d9) {
-  const double En = law->normal_stiffness, Et = law->tangential_stiffness, h = law->hardening, d = s->d,
-               R = s->reach, e = R - d, n[2] = {s->l[0] / d, s->l[1] / d}, t[2] = {-n[1], n[0]};
-  const double stiff = r->slides ? Et * h / (Et + h) : Et,                           /* df_t/dgamma */
-      limit = r->slides ? r->slides * Et * law->friction_coefficient / (Et + h) : 0; /* df_t/df_n */
+  const double En = law->normal_stiffness, Et = law->tangential_stiffness, d = s->d, R = s->reach, e = R - d,
+               h = gh_coulomb_growth(law, En * e), mu = gh_coulomb_coefficient(law, r->alpha),
+               n[2] = {s->l[0] / d, s->l[1] / d}, t[2] = {-n[1], n[0]};
+  const double stiff = r->slides ? Et * h / (Et + h) : Et,    /* df_t/dgamma */
+      limit = r->slides ? r->slides * Et * mu / (Et + h) : 0; /* df_t/df_n */
   const double lt = s->ln[0] * t[0] + s->ln[1] * t[1], ln = s->ln[0] * n[0] + s->ln[1] * n[1];
   const int objective = law->slip == GH_SLIP_OBJECTIVE;
   const double turned = objective ? sqrt(s->ln[0] * s->ln[0] + s->ln[1] * s->ln[1]) / d : r->c, ratio = d / R,
@@ -92,5 +113,17 @@ static inline void gh_coulomb_derivative(const gh_contact_law *law, const gh_cou
     d9[6 + i] = ratio * (ft * dc[i] + r->c * g[i]) + r->c * ft / R * n[i];
   }
   d9[8] = r->c * ratio * gq;
+}
+
+/* What the tangential spring and printed hardening store (7.6). */
+static inline double gh_coulomb_energy(const gh_contact_law *law, const gh_coulomb_result *r) {
+  const double elastic = r->gamma - r->gamma_pl, Et = law->tangential_stiffness,
+               h = gh_coulomb_is_proportional(law) ? 0 : law->hardening;
+  return 0.5 * Et * elastic * elastic + 0.5 * h * r->alpha * r->alpha;
+}
+
+/* What the step has dissipated at the overlap e (7.13): all that friction takes but what hardening stores. */
+static inline double gh_coulomb_dissipated(const gh_contact_law *law, const gh_coulomb_result *r, double e) {
+  return r->multiplier * law->normal_stiffness * e * gh_coulomb_coefficient(law, r->alpha);
 }
 #endif

@@ -57,17 +57,6 @@ long gh_rve_patience(const gh_rve *r) {
   return gh_rve_ramps(r) ? rule.patience : 0;
 }
 
-/* Strain from one F to another, without rotation. */
-static double ramp_length(const double from[4], const double to[4]) {
-  double inverse[4], f[4];
-  gh_inv2(from, inverse);
-  gh_mul2(to, inverse, f);
-  const double turn = atan2(f[2] - f[1], f[0] + f[3]), c = cos(turn), s = sin(turn),
-               xx = c * f[0] + s * f[2] - 1, xy = c * f[1] + s * f[3], yx = c * f[2] - s * f[0],
-               yy = c * f[3] - s * f[1] - 1;
-  return sqrt(xx * xx + xy * xy + yx * yx + yy * yy);
-}
-
 /* The engine stands at the start then. */
 static gh_status start_set(gh_rve *r, const gh_start *b) {
   double cell[4];
@@ -149,7 +138,7 @@ static gh_status ramp_follow(gh_rve *r, const gh_start *from, const double to[4]
 }
 
 gh_status gh_rve_ramp_to_base(gh_rve *r, gh_start *b) {
-  const double length = ramp_length(r->Fn, r->F), rest = fmax(rule.rest, r->options.tolerance);
+  const double length = gh_strain2(r->Fn, r->F), rest = fmax(rule.rest, r->options.tolerance);
   long left = r->options.max_steps;
   double to[4];
   if (!(length > 0)) return GH_OK;
@@ -178,7 +167,7 @@ gh_status gh_rve_mark_sliding(gh_rve *r) {
     const gh_contact *q = &r->list.contacts[c];
     gh_friction *f = &r->sliding[c];
     const double fn = law->normal_stiffness * q->overlap, d = hypot(q->l[0], q->l[1]),
-                 limit = fn * law->friction_coefficient + law->hardening * f->slip.alpha;
+                 limit = gh_coulomb_limit(law, fn, f->slip.alpha);
     if (f->slides || !(fabs(f->force) >= limit - rule.limit * fn)) continue;
     const gh_coulomb_step s = {.l = {q->l[0], q->l[1]},
                                .d = d,
@@ -187,7 +176,8 @@ gh_status gh_rve_mark_sliding(gh_rve *r) {
                                .gamma = f->slip.gamma,
                                .gamma_pl = f->slip.gamma_pl,
                                .alpha = f->slip.alpha};
-    const gh_coulomb_result now = {.force = f->force, .c = 1, .slides = f->force > 0 ? 1 : -1};
+    const gh_coulomb_result now = {
+        .force = f->force, .alpha = f->slip.alpha, .c = 1, .slides = f->force > 0 ? 1 : -1};
     gh_coulomb_derivative(law, &s, &now, f->d);
     f->slides = 1;
   }
@@ -197,7 +187,7 @@ gh_status gh_rve_mark_sliding(gh_rve *r) {
 gh_status gh_rve_ramp_to_rest(gh_rve *r, long *left) {
   const gh_start base = {.F = r->base.F, .y = r->base.y, .theta = r->base.theta};
   const gh_start from = r->based ? base : (gh_start){.F = r->Fn, .y = r->yn, .theta = r->thetan};
-  const double length = ramp_length(from.F, r->F), aim = rule.rest * pow(rule.closer, r->m.settled);
+  const double length = gh_strain2(from.F, r->F), aim = rule.rest * pow(rule.closer, r->m.settled);
   GH_TRY(start_set(r, &from));
   GH_TRY(ramp_follow(r, &from, r->F, length > 0 ? ramp_steps(r, length) : 0,
                      fmax(aim, 0.1 * r->options.tolerance), left));

@@ -8,13 +8,13 @@ static void explain_contact(const gh_contact_law *law, gh_text *out) {
     gh_text_print(out, "frictionless\n");
     return;
   }
-  gh_text_print(out,
-                "Coulomb friction %g (%.4g degrees), tangential stiffness %g, hardening %g;\n"
-                "                  slip %s, rotations %s\n",
-                law->friction_coefficient, atan(law->friction_coefficient) * 180 / acos(-1),
-                law->tangential_stiffness, law->hardening,
-                law->slip == GH_SLIP_OBJECTIVE ? "objective" : "projected",
-                law->fixed_rotations ? "fixed" : "free");
+  gh_text_print(
+      out,
+      "Coulomb friction %g (%.4g degrees), tangential stiffness %g, hardening %g%s;\n"
+      "                  slip %s, rotations %s\n",
+      law->friction_coefficient, atan(law->friction_coefficient) * 180 / acos(-1), law->tangential_stiffness,
+      law->hardening, law->hardening_law == GH_HARDENING_PROPORTIONAL ? " times the normal force" : "",
+      law->slip == GH_SLIP_OBJECTIVE ? "objective" : "projected", law->fixed_rotations ? "fixed" : "free");
 }
 
 static void explain_left_out(const gh_scene *s, bool relaxes, bool turns, gh_text *out) {
@@ -102,7 +102,7 @@ static void explain_micro(const gh_scene *s, gh_text *out) {
   if (relaxes || turns)
     gh_text_print(out, "relaxation        %s, to a residual of %g\n", ways[s->micro.relaxation],
                   s->micro.tolerance);
-  if (relaxes && turns)
+  if (gh_rve_has_branches(&s->micro))
     gh_text_print(out, "slip              integrated %s\n",
                   s->micro.integration == GH_INTEGRATION_RAMP ? "along ramps of F" : "over whole increments");
   if ((relaxes || turns) && s->micro.accept > 0)

@@ -38,6 +38,9 @@ const gh_term scene_contact_keys[] = {
     {"friction_coefficient", "tangent of the angle of friction, 0 or more; instead of `friction_angle`"},
     {"hardening",
      "$h \\ge 0$, force per length: growth of the friction limit with the plastic slip; default 0"},
+    {"hardening_law",
+     "`printed` (default): the limit grows by $h \\alpha$; `proportional`: by $f_n h \\alpha$, with "
+     "$h$ per length"},
     {"rotations", "`free` (default) or `fixed`: whether grains rotate"},
     {"slip", "`projected` (default): projected increment of slip; `objective`: measured by the angle, for "
              "increments that rotate the body by more than about a degree"},

@@ -69,9 +69,10 @@ static gh_status read_friction(gh_contact_law *law, node contact) {
 }
 
 static gh_status read_tangential(gh_contact_law *law, node contact) {
-  static const char *const keys[] = {"tangential_stiffness", "hardening", "rotations", "slip"};
-  int slip;
-  for (size_t k = 0; k < 4 && !law->friction; k++) {
+  static const char *const keys[] = {"tangential_stiffness", "hardening", "hardening_law", "rotations",
+                                     "slip"};
+  int slip, hardening;
+  for (size_t k = 0; k < sizeof keys / sizeof *keys && !law->friction; k++) {
     node n = gh_yaml_get(contact, keys[k]);
     if (gh_yaml_has(n))
       return gh_yaml_fail(n, "%s needs friction: friction_angle or friction_coefficient", keys[k]);
@@ -84,6 +85,8 @@ static gh_status read_tangential(gh_contact_law *law, node contact) {
   GH_TRY(optional_choice(contact, "rotations", (const char *[]){"free", "fixed"}, &law->fixed_rotations));
   GH_TRY(optional_choice(contact, "slip", (const char *[]){"projected", "objective"}, &slip));
   law->slip = slip ? GH_SLIP_OBJECTIVE : GH_SLIP_PROJECTED;
+  GH_TRY(optional_choice(contact, "hardening_law", (const char *[]){"printed", "proportional"}, &hardening));
+  law->hardening_law = hardening ? GH_HARDENING_PROPORTIONAL : GH_HARDENING_PRINTED;
   return GH_OK;
 }
 

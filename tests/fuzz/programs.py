@@ -83,7 +83,7 @@ class Driver:
              "--boundary", r.choice(("taylor", "taylor-cell", "restricted", "periodic"))]
         if r.random() < 0.5:
             o += ["--friction-angle", r.choice(("0", "20", "45", "89.9"))]
-            o += r.choice(([], ["--hardening", "0.1"], ["--rotations", "fixed"], ["--slip", "objective"], ["--tangential-stiffness", "3"]))
+            o += r.choice(([], ["--hardening", "0.1"], ["--hardening", "3", "--hardening-law", "proportional"], ["--rotations", "fixed"], ["--slip", "objective"], ["--tangential-stiffness", "3"]))
         if r.random() < 0.3:
             o += r.choice((["--relaxation", "fire"], ["--relaxation", "damped"], ["--max-steps", "20"], ["--accept", "1e-3"],
                            ["--tolerance", "1e-3"]))

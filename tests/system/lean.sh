@@ -50,6 +50,11 @@ explain 'friction' "$rough" 'Coulomb friction 0.36397 (20 degrees)' 'unsymmetric
 explain 'friction without rotations, Taylor' "contact: {normal_stiffness: 50, friction_angle: 20, rotations: fixed}
 micro: {boundary: taylor}" 'left out *grain rotations; relaxation, factorisation of the grains. stiffness; hardening' '! central differences' \
   'lammps, for the contacts only'
+explain 'friction, periodic' "$rough" 'slip              integrated along ramps of F'
+explain 'friction without rotations, periodic' "contact: {normal_stiffness: 50, friction_angle: 20, rotations: fixed}
+micro: {integration: whole}" 'slip              integrated over whole increments' 'left out *grain rotations; hardening'
+explain 'proportional hardening' "contact: {normal_stiffness: 50, friction_angle: 20, hardening: 3, hardening_law: proportional}" \
+  'hardening 3 times the normal force' 'left out *nothing'
 explain 'friction, Taylor' "$rough
 micro: {boundary: taylor-cell, engine: native}" 'native, for contacts and rotations' 'left out *motion of the grains but their rotations' 'central differences'
 explain 'Taylor' "$smooth

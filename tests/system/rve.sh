@@ -138,6 +138,11 @@ check "positions of a dump follow the grains through the box" awk -v tol=1e-12 '
   END { exit !(n > 50 && moved > 10) }' "$packing" far.dump
 check "the dump has rotations" grep -q '^ITEM: ATOMS .* theta$' rub.dump
 native --path path.csv --friction-coefficient "$(awk 'BEGIN {p = atan2(0, -1) / 9; printf "%.17g", sin(p) / cos(p)}')" --hardening 10 -o mu.csv 2>/dev/null
+native --path path.csv --friction-angle 20 --hardening 10 --hardening-law proportional -o proportional.csv 2>/dev/null
+check "proportional hardening is another law" /usr/bin/python3 -c '
+import csv
+printed, proportional = (list(csv.DictReader(open(f)))[-1] for f in ("rub.csv", "proportional.csv"))
+assert float(proportional["P12"]) != float(printed["P12"]) and float(proportional["dissipation"]) > 0'
 check "the coefficient is the tangent of the angle" /usr/bin/python3 -c '
 import csv
 a, b = ([float(r["P12"]) for r in csv.DictReader(open(f))] for f in ("rub.csv", "mu.csv"))
@@ -205,14 +210,17 @@ o="-o out.csv --tangent tan.csv --dump a.dump${states:+ --save-state s.h5}"
   done
   refused "negative friction" "--friction-coefficient must be a number that is 0 or more" $p --path ../path.csv --friction-coefficient -0.1 $o
   refused "negative hardening" "--hardening must be a number that is 0 or more" $p --path ../path.csv --friction-angle 20 --hardening -1 $o
+  refused "law of hardening" "--hardening-law must be printed or proportional" $p --path ../path.csv --friction-angle 20 --hardening-law half $o
   refused "no tangential stiffness" "--tangential-stiffness must be a positive number" $p --path ../path.csv --friction-angle 20 --tangential-stiffness 0 $o
   refused "rotations" "--rotations must be free or fixed" $p --path ../path.csv --friction-angle 20 --rotations maybe $o
   refused "angle and coefficient" "say the same" $p --path ../path.csv --friction-angle 20 --friction-coefficient 0.3 $o
-  for option in "--tangential-stiffness 1" "--hardening 1" "--rotations fixed" "--slip objective"; do
+  for option in "--tangential-stiffness 1" "--hardening 1" "--hardening-law printed" "--rotations fixed" "--slip objective"; do
     refused "$option without friction" "${option%% *} needs friction" $p --path ../path.csv $option $o
   done
   if [ -n "$states" ]; then
     refused "state with other hardening" "another contact law: hardening was 10, now it is 0" $p --path ../path.csv $E --friction-angle 20 --load-state ../rub.h5 $o
+    refused "state with the other law of hardening" "another contact law: law of hardening (0 printed, 1 proportional) was 0, now it is 1" $p --path ../path.csv $E \
+      --friction-angle 20 --hardening 10 --hardening-law proportional --load-state ../rub.h5 $o
     refused "state with friction" "another contact law: friction (1) or none (0) was 1, now it is 0" $p --path ../path.csv $E --load-state ../rub.h5 $o
     refused "missing state" "none.h5" $p --path ../path.csv --load-state none.h5 $o
     refused "state that is none" "path.csv" $p --path ../path.csv --load-state ../path.csv $o

@@ -3,7 +3,7 @@
 #ifndef GRANHOM_TESTS_FRICTION_HELP_H
 #define GRANHOM_TESTS_FRICTION_HELP_H
 
-#include "../help.h"
+#include "slips_help.h"
 
 enum { MOST = 150, MOST_SLIPS = 2000 };
 
@@ -81,14 +81,7 @@ static inline void draw_tilted(gh_context *ctx, unsigned long long *seed, int n,
   memcpy(at_n.theta, s->theta_n, sizeof at_n.theta);
   gh_engine *g = make_engine(ctx, s, LAW, NULL);
   gh_contact_list list = evaluate(ctx, g, &at_n);
-  assert_in_range(list.count, 0, MOST_SLIPS);
-  s->nslips = list.count;
-  for (int c = 0; c < list.count; c++) {
-    s->slips[c] = list.friction[c].slip;
-    s->slips[c].gamma = 0.02 * largest * (uniform(seed) - 0.5);
-    s->slips[c].gamma_pl = s->slips[c].gamma + 0.2 * largest * (uniform(seed) - 0.5);
-    s->slips[c].alpha = 0.002 * largest * uniform(seed);
-  }
+  s->nslips = draw_slips(seed, &list, largest, MOST_SLIPS, s->slips);
   gh_engine_destroy(&g);
 }
 
@@ -119,6 +112,7 @@ static inline gh_contact_law random_law(unsigned long long *seed, int trial) {
   gh_contact_law law = LAW;
   law.hardening = trial & 1 ? 30 * uniform(seed) : 0;
   law.slip = trial & 2 ? GH_SLIP_OBJECTIVE : GH_SLIP_PROJECTED;
+  law.hardening_law = trial & 4 ? GH_HARDENING_PROPORTIONAL : GH_HARDENING_PRINTED;
   return law;
 }
 

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-2.0-or-later */
 /* Ramps of both engines where all grains are fixed: against increments of the whole law. */
 #include "ramp_help.h"
+#include "slips_help.h"
 
 /* The history after an increment: of its contacts, and the hardening of those that have opened. */
 static void advance_history(sample *s, const gh_contact_list *list) {
@@ -37,7 +38,8 @@ static void draw(gh_context *ctx, unsigned long long *seed, int trial, sample *s
                             .friction_coefficient = 0.5 * uniform(seed),
                             .hardening = trial & 1 ? 30 * uniform(seed) : 0,
                             .slip = trial & 2 ? GH_SLIP_OBJECTIVE : GH_SLIP_PROJECTED,
-                            .fixed_rotations = 1};
+                            .fixed_rotations = 1,
+                            .hardening_law = trial & 8 ? GH_HARDENING_PROPORTIONAL : GH_HARDENING_PRINTED};
   rotation(6 * uniform(seed), Q);
   gh_mul2(Q, T, s->cell);
   memset(s->held, 1, sizeof s->held);
@@ -52,14 +54,8 @@ static void draw(gh_context *ctx, unsigned long long *seed, int trial, sample *s
   gh_engine *g = make_engine(ctx, s, GH_ENGINE_NATIVE);
   put(ctx, g, s);
   OK(gh_engine_contacts(g, &list));
-  assert_in_range(list.count, 0, MOST_SLIPS);
-  s->nslips = list.count;
-  for (int c = 0; c < list.count; c++) {
-    s->slips[c] = list.friction[c].slip;
-    s->slips[c].gamma = 0.02 * largest * (uniform(seed) - 0.5);
-    s->slips[c].gamma_pl = s->slips[c].gamma + 0.2 * largest * (uniform(seed) - 0.5);
-    s->slips[c].alpha = trial & 1 ? 0.002 * largest * uniform(seed) : 0;
-  }
+  s->nslips = draw_slips(seed, &list, largest, MOST_SLIPS, s->slips);
+  for (int c = 0; c < s->nslips && !(trial & 1); c++) s->slips[c].alpha = 0;
   gh_engine_destroy(&g);
 }
 

@@ -108,6 +108,7 @@ static void as_native(void **state) {
     s.periodic = k < 6;
     s.law.slip = k % 2 ? GH_SLIP_OBJECTIVE : GH_SLIP_PROJECTED;
     s.law.hardening = k % 3 == 1 ? 20 : 0;
+    s.law.hardening_law = k == 4 ? GH_HARDENING_PROPORTIONAL : GH_HARDENING_PRINTED;
     s.law.fixed_rotations = k == 2;
     for (int i = 0; i < s.n && !s.periodic; i += 4) s.held[i] = 1;
     const gh_ramp o = ramp_to(to[far], far ? 400 : 200, 1e-3);

@@ -21,11 +21,11 @@ static void turn_second(gh_context *ctx, void *lmp, double d, double from, doubl
 
 /* Increments by hand: the second disk goes round the first in committed steps. The contact sticks, then
  * slides with the slope E_t h/(E_t + h), and unloads with E_t; force, torque, stress and LAMMPS's virial are
- * those of the closed form, and a commit without a move leaves all but the scaling c. */
-static void increments_by_hand(void **state) {
-  gh_context *ctx = *state;
+ * those of the closed form, and a commit without a move leaves all but the scaling c. Proportional hardening has
+ * the same slope with h/f_n. */
+static void increments_by(gh_context *ctx, const char *style, const char *coefficients) {
   const double e = 0.02, d = 1.5 - e, step = 0.0005, Et = 80, h = 20, fn = 100 * e, slip = d * sin(step);
-  void *lmp = two_disks(ctx, "increment manual", "100 80 0.3 20", (double[2]){d, 0});
+  void *lmp = two_disks(ctx, style, coefficients, (double[2]){d, 0});
   command(ctx, lmp, "compute p all pressure NULL virial");
   command(ctx, lmp, "run 0 post no");
   double gamma = 0, plastic = 0, b = 0;
@@ -63,6 +63,10 @@ static void increments_by_hand(void **state) {
   }
   assert_true(plastic < -0.001);
   gh_lmp_close(&lmp);
+}
+static void increments_by_hand(void **state) {
+  increments_by(*state, "increment manual", "100 80 0.3 20");
+  increments_by(*state, "increment manual hardening proportional", "100 80 0.3 10");
 }
 
 /* Each time step an increment: a disk that turns with a given omega slips by omega r dt |l|/(r_i + r_j) a

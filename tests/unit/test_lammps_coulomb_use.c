@@ -12,6 +12,7 @@ static void wrong_use(void **state) {
       {"pair_style granhom/coulomb increment", "no value for increment"},
       {"pair_style granhom/coulomb increment often", "increment is manual or step, not often"},
       {"pair_style granhom/coulomb slip wet", "slip is projected or objective, not wet"},
+      {"pair_style granhom/coulomb hardening half", "hardening is printed or proportional, not half"},
       {"pair_style granhom/coulomb speed 3", "unknown keyword speed"},
       {"pair_coeff * * 100", "pair_coeff I J E_n E_t mu h"},
       {"pair_coeff * * -1 80 0.3 0",
@@ -121,6 +122,8 @@ static void restarts(void **state) {
       {"pair_coeff * * 100 80 0.3 10", NULL},
       {"pair_coeff * * 100 80 0.2 10", "other coefficients of the types 1 and 1"},
       {"pair_style granhom/coulomb slip objective", "with slip projected, the script states objective"},
+      {"pair_style granhom/coulomb hardening proportional",
+       "with hardening printed, the script states proportional"},
       {"pair_style granhom/coulomb rotations fixed", "with rotations free, the script states fixed"},
       {"pair_style granhom/normal\npair_coeff * * 100", "granhom/normal would drop"}};
   char file[] = "/tmp/granhom-restart-XXXXXX";

@@ -17,6 +17,13 @@ static gh_contact_law law_of(double angle, double hardening, gh_slip_measure sli
                           .slip = slip};
 }
 
+/* The friction limit grows by half of it in a few increments of those below. */
+static gh_contact_law proportional(double angle, gh_slip_measure slip) {
+  gh_contact_law law = law_of(angle, 100, slip);
+  law.hardening_law = GH_HARDENING_PROPORTIONAL;
+  return law;
+}
+
 static gh_rve *open_rve(gh_context *ctx, const gh_packing *p, const problem *q) {
   gh_rve_options o = gh_rve_defaults();
   gh_rve *rve;
@@ -46,10 +53,12 @@ static void for_all(void **state, const char *name,
   gh_packing *p = case_packing(ctx, name);
   for (gh_engine_kind e = GH_ENGINE_LAMMPS; e <= GH_ENGINE_NATIVE; e++)
     for (int b = 0; b < 4; b++)
-      for (int v = 0; v < 3; v++)
+      for (int v = 0; v < 5; v++)
         if (use_engine(e)) {
           const gh_contact_law laws[] = {law_of(20, 0, GH_SLIP_PROJECTED), law_of(10, 200, GH_SLIP_PROJECTED),
-                                         law_of(15, 50, GH_SLIP_OBJECTIVE)};
+                                         law_of(15, 50, GH_SLIP_OBJECTIVE),
+                                         proportional(10, GH_SLIP_PROJECTED),
+                                         proportional(15, GH_SLIP_OBJECTIVE)};
           check(ctx, p, &(problem){e, all_boundaries[b], laws[v]});
         }
   gh_packing_destroy(&p);
@@ -132,11 +141,13 @@ static double energy_defect(gh_context *ctx, const gh_packing *p, const problem 
 static void energies(void **state) {
   gh_context *ctx = *state;
   gh_packing *p = case_packing(ctx, "p50d");
-  for (int b = 0; b < 4; b++) {
-    problem q = {GH_ENGINE_NATIVE, all_boundaries[b], law_of(10, 100, GH_SLIP_PROJECTED)};
+  for (int k = 0; k < 8; k++) {
+    const int b = k / 2;
+    problem q = {GH_ENGINE_NATIVE, all_boundaries[b],
+                 k % 2 ? proportional(10, GH_SLIP_PROJECTED) : law_of(10, 100, GH_SLIP_PROJECTED)};
     double coarse = energy_defect(ctx, p, &q, 8), fine = energy_defect(ctx, p, &q, 64);
-    print_message("%-12s energy imbalance with 8 increments %.2e, with 64 %.2e\n",
-                  gh_boundary_name(all_boundaries[b]), coarse, fine);
+    print_message("%-12s %-12s energy imbalance with 8 increments %.2e, with 64 %.2e\n",
+                  gh_boundary_name(all_boundaries[b]), k % 2 ? "proportional" : "printed", coarse, fine);
     assert_true(fine < 0.25 * coarse && coarse < 0.02);
   }
   gh_packing_destroy(&p);

@@ -107,9 +107,10 @@ static gh_status set_law(bridge *e) {
     GH_TRY(guard_command(e->ctx, e->lmp, "pair_style granhom/normal"));
     return guard_command(e->ctx, e->lmp, "pair_coeff * * %.17g", law->normal_stiffness);
   }
-  GH_TRY(guard_command(e->ctx, e->lmp, "pair_style granhom/coulomb increment manual slip %s rotations %s",
-                       law->slip == GH_SLIP_OBJECTIVE ? "objective" : "projected",
-                       law->fixed_rotations ? "fixed" : "free"));
+  GH_TRY(guard_command(
+      e->ctx, e->lmp, "pair_style granhom/coulomb increment manual slip %s rotations %s hardening %s",
+      law->slip == GH_SLIP_OBJECTIVE ? "objective" : "projected", law->fixed_rotations ? "fixed" : "free",
+      law->hardening_law == GH_HARDENING_PROPORTIONAL ? "proportional" : "printed"));
   return guard_command(e->ctx, e->lmp, "pair_coeff * * %.17g %.17g %.17g %.17g", law->normal_stiffness,
                        law->tangential_stiffness, law->friction_coefficient, law->hardening);
 }

@@ -252,7 +252,8 @@ void FixRelax::add_block(int i, int j, const double *l, double d2) {
 /* Bounds of relax_friction.c; the slip is t.(u_i - u_j) + r_i theta_i + r_j theta_j. */
 void FixRelax::add_block_with_friction(int i, int j, const double *l, double d2) {
   double along, across;
-  gh_relax_friction_bound(&coulomb->law(atom->type[i], atom->type[j]), &along, &across);
+  gh_relax_friction_bound(&coulomb->law(atom->type[i], atom->type[j]), coulomb->coefficient(i, j, l, d2),
+                          &along, &across);
   const double n[2] = {l[0] / std::sqrt(d2), l[1] / std::sqrt(d2)}, turn = turns ? std::sqrt(2.) : 0;
   for (int side = 0; side < (j < atom->nlocal ? 2 : 1); side++) {
     const double t[3] = {side ? n[1] : -n[1], side ? -n[0] : n[0], turn};
@@ -313,7 +314,8 @@ double FixRelax::time_step() {
     mine[1] = std::max(mine[1], pair->stiffness(i, i));
     if (!coulomb) continue;
     double along, across;
-    gh_relax_friction_bound(&coulomb->law(i, i), &along, &across);
+    const gh_contact_law &law = coulomb->law(i, i);
+    gh_relax_friction_bound(&law, law.friction_coefficient, &along, &across);
     mine[1] = std::max(mine[1], 4 * std::max(along, (turns ? 3 : 1) * across));
   }
   MPI_Allreduce(mine, all, 2, MPI_DOUBLE, MPI_MAX, world);

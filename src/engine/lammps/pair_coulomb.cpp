@@ -57,7 +57,7 @@ std::size_t PairCoulomb::index(int i, int j) const {
 void PairCoulomb::settings(int narg, char **arg) {
   const std::string illegal = "Illegal pair_style granhom/coulomb command: ";
   step = true;
-  fixed = objective = false;
+  fixed = objective = proportional = false;
   for (int k = 0; k < narg; k += 2) {
     const std::string word = arg[k];
     if (k + 1 >= narg) error->all(FLERR, illegal + "no value for " + word);
@@ -70,13 +70,17 @@ void PairCoulomb::settings(int narg, char **arg) {
     if (word == "increment") step = choice("manual", "step");
     else if (word == "slip") objective = choice("projected", "objective");
     else if (word == "rotations") fixed = choice("free", "fixed");
+    else if (word == "hardening") proportional = choice("printed", "proportional");
     else error->all(FLERR, illegal + "unknown keyword " + word);
   }
   if (allocated) /* laws that are set already follow */
-    for (auto &law : laws) {
-      law.slip = objective ? GH_SLIP_OBJECTIVE : GH_SLIP_PROJECTED;
-      law.fixed_rotations = fixed;
-    }
+    for (auto &law : laws) set_choices(law);
+}
+
+void PairCoulomb::set_choices(gh_contact_law &law) const {
+  law.slip = objective ? GH_SLIP_OBJECTIVE : GH_SLIP_PROJECTED;
+  law.hardening_law = proportional ? GH_HARDENING_PROPORTIONAL : GH_HARDENING_PRINTED;
+  law.fixed_rotations = fixed;
 }
 
 void PairCoulomb::set_law(int i, int j, const double *p) {
@@ -86,8 +90,7 @@ void PairCoulomb::set_law(int i, int j, const double *p) {
   law.tangential_stiffness = p[1];
   law.friction_coefficient = p[2];
   law.hardening = p[3];
-  law.slip = objective ? GH_SLIP_OBJECTIVE : GH_SLIP_PROJECTED;
-  law.fixed_rotations = fixed;
+  set_choices(law);
   E[i][j] = E[j][i] = p[0];
   laws.resize(index(atom->ntypes, atom->ntypes) + 1);
   laws[index(i, j)] = laws[index(j, i)] = law;
@@ -169,13 +172,11 @@ bool PairCoulomb::one_law(gh_contact_law *one) const {
 /* ---- forces ---- */
 
 double PairCoulomb::Contact::energy() const {
-  const double elastic = result.gamma - result.gamma_pl;
-  return 0.5 * law->tangential_stiffness * elastic * elastic +
-         0.5 * law->hardening * result.alpha * result.alpha;
+  return gh_coulomb_energy(law, &result);
 }
 
 double PairCoulomb::Contact::dissipated() const {
-  return result.multiplier * law->normal_stiffness * (step.reach - step.d) * law->friction_coefficient;
+  return gh_coulomb_dissipated(law, &result, step.reach - step.d);
 }
 
 void PairCoulomb::evaluate(int i, int j, const double *l, double d, double reach, Contact *c) const {
@@ -205,6 +206,14 @@ void PairCoulomb::evaluate(int i, int j, const double *l, double d, double reach
     c->step.alpha = p.alpha;
   }
   gh_coulomb_evaluate(c->law, &c->step, &c->result);
+}
+
+double PairCoulomb::coefficient(int i, int j, const double *l, double d2) const {
+  const gh_contact_law &law = laws[index(atom->type[i], atom->type[j])];
+  if (!gh_coulomb_is_proportional(&law)) return law.friction_coefficient;
+  Contact c;
+  evaluate(i, j, l, std::sqrt(d2), atom->radius[i] + atom->radius[j], &c);
+  return gh_coulomb_coefficient(&law, c.step.d <= c.step.reach ? c.result.alpha : c.step.alpha);
 }
 
 /* The trial state of a contact, for both atoms where both are here. */
@@ -312,8 +321,15 @@ double PairCoulomb::single(int i, int j, int itype, int jtype, double rsq, doubl
 
 /* ---- files ---- */
 
+/* Files have one number for the measure of slip and the law of hardening. */
+enum { OBJECTIVE = 1, PROPORTIONAL = 2 };
+
+int PairCoulomb::choices() const {
+  return (objective ? OBJECTIVE : 0) + (proportional ? PROPORTIONAL : 0);
+}
+
 void PairCoulomb::write_restart_settings(FILE *fp) {
-  const int flags[3] = {step, fixed, objective};
+  const int flags[3] = {step, fixed, choices()};
   fwrite(flags, sizeof(int), 3, fp);
 }
 
@@ -323,7 +339,8 @@ void PairCoulomb::read_restart_settings(FILE *fp) {
   MPI_Bcast(flags, 3, MPI_INT, 0, world);
   step = flags[0];
   fixed = flags[1];
-  objective = flags[2];
+  objective = flags[2] & OBJECTIVE;
+  proportional = flags[2] & PROPORTIONAL;
 }
 
 void PairCoulomb::write_restart(FILE *fp) {
@@ -354,7 +371,7 @@ void PairCoulomb::read_restart(FILE *fp) {
 }
 
 void PairCoulomb::describe(std::vector<double> &data) const {
-  data.insert(data.end(), {(double)fixed, (double)objective, (double)atom->ntypes});
+  data.insert(data.end(), {(double)fixed, (double)choices(), (double)atom->ntypes});
   for (int i = 1; i <= atom->ntypes; i++)
     for (int j = i; j <= atom->ntypes; j++) {
       double p[PARAMETERS];
@@ -371,9 +388,13 @@ void PairCoulomb::compare(const char *data) const {
   if (head[0] != fixed)
     error->all(FLERR, differs + "rotations " + (fixed ? "free" : "fixed") + ", the script states " +
                           (fixed ? "fixed" : "free"));
-  if (head[1] != objective)
+  const int other = (int)head[1] ^ choices();
+  if (other & OBJECTIVE)
     error->all(FLERR, differs + "slip " + (objective ? "projected" : "objective") + ", the script states " +
                           (objective ? "objective" : "projected"));
+  if (other & PROPORTIONAL)
+    error->all(FLERR, differs + "hardening " + (proportional ? "printed" : "proportional") +
+                          ", the script states " + (proportional ? "proportional" : "printed"));
   for (int i = 1; i <= atom->ntypes; i++)
     for (int j = i; j <= atom->ntypes; j++, data += sizeof p) {
       if (!setflag[i][j]) continue; /* follows from others */

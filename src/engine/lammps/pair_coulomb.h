@@ -46,6 +46,9 @@ public:
   /* The contact of owned atom i with atom j at l = x_j - x_i, which overlap: d = |l| <= reach. */
   void evaluate(int i, int j, const double *l, double d, double reach, Contact *c) const;
 
+  /* Coefficient of friction of owned atom i and atom j, which touch or nearly do, with proportional hardening. */
+  double coefficient(int i, int j, const double *l, double d2) const;
+
   const gh_contact_law &law(int itype, int jtype) const { return laws[index(itype, jtype)]; }
   /* True when all pairs of types have the same law, which is written to *one. */
   bool one_law(gh_contact_law *one) const;
@@ -59,12 +62,14 @@ public:
 
 private:
   enum { EXTRA = 9 }; /* values of single(), see docs/reference/lammps/pair_granhom_coulomb.md */
-  bool step = true, fixed = false, objective = false;
+  bool step = true, fixed = false, objective = false, proportional = false;
   std::vector<gh_contact_law> laws; /* of pairs of types */
   std::vector<double> extra;
   FixHistory *fix = nullptr;
 
   std::size_t index(int i, int j) const;
+  void set_choices(gh_contact_law &law) const;
+  int choices() const;
   void set_law(int i, int j, const double *parameters);
   void add(int i, int j, const double *l, double d, double reach);
   void remember(int i, int j, const Contact &c);

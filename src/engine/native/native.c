@@ -167,6 +167,15 @@ static gh_relax_friction native_rotating(native *e) {
                              .m = e->m};
 }
 
+/* A relaxation that began at `start` ends so. */
+static void native_end(native *e, gh_relax_end end, const gh_relax_friction *f, double start,
+                       gh_relax_result *r) {
+  r->converged = gh_relax_at_rest(end);
+  r->least_damping = f->watch.least;
+  e->cost.steps += r->steps;
+  e->cost.relax_seconds += gh_seconds() - start;
+}
+
 static gh_status native_relax(void *self, const gh_relax_options *o, gh_relax_result *r) {
   native *e = self;
   double start = gh_seconds();
@@ -181,10 +190,7 @@ static gh_status native_relax(void *self, const gh_relax_options *o, gh_relax_re
     e->cost.pairs += (r->steps - before) * (long)e->nb.npairs;
     if (end == GH_RELAX_REBUILD) GH_TRY(find_pairs(e));
   }
-  r->converged = end == GH_RELAX_CONVERGED || end == GH_RELAX_UNJAMMED;
-  r->least_damping = f.watch.least;
-  e->cost.steps += r->steps;
-  e->cost.relax_seconds += gh_seconds() - start;
+  native_end(e, end, &f, start, r);
   return GH_OK;
 }
 
@@ -218,13 +224,10 @@ static gh_status native_ramp(void *self, const gh_ramp *o, gh_ramp_result *resul
     e->cost.pairs += (r->steps - before) * (long)e->nb.npairs;
     if (isfinite(r->residual)) GH_TRY(native_follow_ramp(e, &ramp, from)); /* else gh_engine_ramp refuses */
   }
-  r->converged = end == GH_RELAX_CONVERGED || end == GH_RELAX_UNJAMMED;
-  r->least_damping = f.watch.least;
+  native_end(e, end, &f, start, r);
   result->done = ramp.done;
   result->dissipated = ramp.dissipated;
   result->slips = e->history.slips, result->nslips = (int)e->history.nslips;
-  e->cost.steps += r->steps;
-  e->cost.relax_seconds += gh_seconds() - start;
   return GH_OK;
 }
 
@@ -246,7 +249,6 @@ static gh_status add_friction(native *e, size_t p, gh_contact *c, double d, size
   gh_coulomb_evaluate(&e->law, &s, &t);
   GH_TRY(gh_grow(e->ctx, at + 1, sizeof(gh_friction), &e->friction_capacity, &e->friction));
   gh_friction *f = &e->friction[at];
-  const double elastic = t.gamma - t.gamma_pl, Et = e->law.tangential_stiffness;
   *f = (gh_friction){.slip = {.i = c->i,
                               .j = c->j,
                               .image = {e->nb.image[2 * p], e->nb.image[2 * p + 1]},
@@ -255,9 +257,8 @@ static gh_status add_friction(native *e, size_t p, gh_contact *c, double d, size
                               .alpha = t.alpha},
                      .force = t.force,
                      .couple = t.couple,
-                     .energy = 0.5 * Et * elastic * elastic + 0.5 * e->law.hardening * t.alpha * t.alpha,
-                     .dissipated =
-                         t.multiplier * e->law.normal_stiffness * c->overlap * e->law.friction_coefficient,
+                     .energy = gh_coulomb_energy(&e->law, &t),
+                     .dissipated = gh_coulomb_dissipated(&e->law, &t, c->overlap),
                      .slides = t.slides != 0};
   gh_coulomb_derivative(&e->law, &s, &t, f->d);
   c->f[0] = t.f[0], c->f[1] = t.f[1];

@@ -29,13 +29,14 @@ gh_friction_parts gh_friction_divide(const gh_relax_friction *s) {
 
 void gh_friction_lay_out(const gh_relax_friction *s, const gh_friction_parts *w) {
   const size_t n = (size_t)s->grains.npairs;
+  gh_pairs_lay_out(s->grains.pairs, n, w->given, w->i, w->j);
   for (size_t p = 0; p < n; p++) {
-    const gh_pair *q = &s->grains.pairs[p];
     const gh_pair_memory *m = &s->memory[p];
-    const double all[GIVEN] = {q->shift[0], q->shift[1], q->reach,    m->ln[0],
-                               m->ln[1],    m->gamma,    m->gamma_pl, m->alpha};
-    for (size_t k = 0; k < GIVEN; k++) w->given[k * n + p] = all[k];
-    w->i[p] = q->i, w->j[p] = q->j;
+    w->given[LN_X * n + p] = m->ln[0];
+    w->given[LN_Y * n + p] = m->ln[1];
+    w->given[GAMMA * n + p] = m->gamma;
+    w->given[GAMMA_PL * n + p] = m->gamma_pl;
+    w->given[ALPHA * n + p] = m->alpha;
   }
 }
 
@@ -66,7 +67,8 @@ pair_forces(const int *restrict first, const int *restrict second, size_t n, con
     out[COUPLE * n + p] = touch * r.couple;
     out[OVERLAP * n + p] = e;
     if (!commits) continue;
-    out[DISSIPATED * n + p] = touch * r.multiplier * law.normal_stiffness * law.friction_coefficient * e;
+    out[DISSIPATED * n + p] =
+        touch * r.multiplier * law.normal_stiffness * gh_coulomb_coefficient(&law, r.alpha) * e;
     given[LN_X * n + p] = lx;
     given[LN_Y * n + p] = ly;
     given[GAMMA * n + p] = touch * r.gamma; /* a contact that opens loses its slip, not its hardening */
@@ -100,37 +102,10 @@ static void objective_commit(const gh_relax_friction *s, const gh_friction_parts
   pair_forces(w->i, w->j, (size_t)s->grains.npairs, law, true, w->given, s->grains.x, w->rolled, w->pair);
 }
 
-/* Adds forces and couples of the pairs to the grains; returns the mean overlap. Pairs are sorted by i: that
- * side is summed in registers. */
-static double gather(const gh_relax_friction *s, const double *restrict pair, double *restrict couple) {
+static double gather(const gh_relax_friction *s, const gh_friction_parts *w) {
   const gh_relax_state *g = &s->grains;
   const size_t n = (size_t)g->npairs;
-  double *restrict f = g->f, overlap = 0;
-  int contacts = 0;
-  memset(f, 0, 2 * (size_t)g->n * sizeof *f);
-  memset(couple, 0, (size_t)g->n * sizeof *couple);
-  for (size_t p = 0; p < n;) {
-    const int i = g->pairs[p].i;
-    double fx = 0, fy = 0, m = 0, sum = 0;
-    for (; p < n && g->pairs[p].i == i; p++) {
-      const int j = g->pairs[p].j;
-      const double px = pair[FORCE_X * n + p], py = pair[FORCE_Y * n + p], pm = pair[COUPLE * n + p],
-                   e = pair[OVERLAP * n + p];
-      fx += px;
-      fy += py;
-      m += pm;
-      sum += e >= 0 ? e : 0;
-      contacts += e >= 0;
-      f[2 * j] -= px;
-      f[2 * j + 1] -= py;
-      couple[j] += pm;
-    }
-    f[2 * i] += fx;
-    f[2 * i + 1] += fy;
-    couple[i] += m;
-    overlap += sum;
-  }
-  return contacts ? overlap / contacts : 0;
+  return gh_pairs_gather(g->n, n, w->i, w->j, w->pair, w->pair + COUPLE * n, g->f, w->couple);
 }
 
 /* What the pairs do not have themselves. */
@@ -148,7 +123,7 @@ double gh_friction_forces(gh_relax_friction *s, const gh_friction_parts *w, doub
   if (s->law->slip == GH_SLIP_OBJECTIVE) (s->ramp ? objective_commit : objective_forces)(s, w);
   else (s->ramp ? projected_commit : projected_forces)(s, w);
   if (s->ramp) ramp_commit(s, w);
-  *mean_force = s->law->normal_stiffness * gather(s, w->pair, w->couple);
+  *mean_force = s->law->normal_stiffness * gather(s, w);
   double largest = 0, all = 0;
   for (int i = 0; i < g->n; i++) {
     const double f2 = g->f[2 * i] * g->f[2 * i] + g->f[2 * i + 1] * g->f[2 * i + 1],
@@ -183,10 +158,10 @@ double gh_relax_friction_forces(gh_relax_friction *s, double *mean_force) {
  * in the displacement N along and the slip B across. Sticking, the form is E_n N^2 + E_t B^2. Sliding, it is
  * E_n N^2 + b mu E_n N B + (1 - b) E_t B^2 with b = E_t/(E_t + h) <= 1; and mu N B <= mu (a N^2 + B^2/a)/2,
  * here with a = min(1, mu E_n/(2 E_t)), which needs no more than E_t across where mu E_n <= 2 E_t. Without
- * friction and hardening nothing resists slip. Parts of the order of overlap over radius are left to the
- * distance of gh_relax_time_step from the limit. */
-void gh_relax_friction_bound(const gh_contact_law *law, double *along, double *across) {
-  const double En = law->normal_stiffness, Et = law->tangential_stiffness, mu = law->friction_coefficient;
+ * friction and hardening nothing resists slip. Proportional hardening adds to mu, and its h is positive. Parts of
+ * the order of overlap over radius are left to the distance of gh_relax_time_step from the limit. */
+void gh_relax_friction_bound(const gh_contact_law *law, double mu, double *along, double *across) {
+  const double En = law->normal_stiffness, Et = law->tangential_stiffness;
   *along = En * (1 + 0.5 * mu * fmin(1, mu * En / (2 * Et)));
   *across = mu == 0 && law->hardening == 0 ? 0 : fmax(Et, 0.5 * mu * En);
 }
@@ -218,6 +193,20 @@ static void add_block(double *k, double free, double turns, const double n[2], d
   k[5] += across * turn * turn;
 }
 
+/* The largest coefficient of friction of the pairs: those that slide have come to it. */
+static double largest_coefficient(const gh_relax_friction *s, const gh_friction_parts *w) {
+  const size_t n = (size_t)s->grains.npairs;
+  const double En = s->law->normal_stiffness;
+  double largest = s->law->friction_coefficient;
+  if (!gh_coulomb_is_proportional(s->law)) return largest;
+  for (size_t p = 0; p < n; p++) {
+    const double fn = En * w->pair[OVERLAP * n + p], now = fabs(w->pair[COUPLE * n + p]);
+    largest = fmax(largest, gh_coulomb_coefficient(s->law, w->given[ALPHA * n + p]));
+    if (fn > 0) largest = fmax(largest, now / fn);
+  }
+  return largest;
+}
+
 /* A contact's form is along N^2 + across B^2 at most (gh_relax_friction_bound), and N and B are each a part
  * of grain i plus a part of grain j. As (a + b)^2 <= 2 a^2 + 2 b^2, the whole form is at most twice the sum
  * of the forms in which one grain moves alone, which is twice the sum of the grains' own blocks: twice the
@@ -230,7 +219,7 @@ double gh_friction_time_step(const gh_relax_friction *s, const gh_friction_parts
   double *block = w->block;
   const double turns = s->law->fixed_rotations ? 0 : 1;
   double along, across;
-  gh_relax_friction_bound(s->law, &along, &across);
+  gh_relax_friction_bound(s->law, largest_coefficient(s, w), &along, &across);
   memset(block, 0, PER_BLOCK * (size_t)g->n * sizeof *block);
   for (size_t p = 0; p < pairs; p++) {
     const gh_pair *q = &g->pairs[p];

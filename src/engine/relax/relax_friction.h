@@ -70,12 +70,13 @@ double gh_relax_friction_forces(gh_relax_friction *s, double *mean_force);
  * and for each x, theta. */
 void gh_relax_friction_begin(gh_relax_friction *s);
 double gh_relax_friction_again(gh_relax_friction *s, double *mean_force);
-/* The time step of gh_relax_friction_run, after gh_relax_friction_begin. */
+/* The time step of gh_relax_friction_run, after gh_relax_friction_again. */
 double gh_relax_friction_safe_step(const gh_relax_friction *s);
 
 /* For those who must step by themselves (LAMMPS on several ranks): stiffness of a contact along and across
- * its branch vector that bounds the quadratic form of its derivative. */
-void gh_relax_friction_bound(const gh_contact_law *law, double *along, double *across);
+ * its branch vector that bounds the quadratic form of its derivative. coefficient: of friction, with
+ * proportional hardening. */
+void gh_relax_friction_bound(const gh_contact_law *law, double coefficient, double *along, double *across);
 
 #ifdef __cplusplus
 }
