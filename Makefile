@@ -79,7 +79,7 @@ RVE_OBJ := $(RVE_SRC:%=$(BUILD)/%.o)
 MODULE_SRC := $(wildcard src/engine/lammps/*.c src/engine/lammps/*.cpp)
 MODULE_OBJ := $(MODULE_SRC:%=$(BUILD)/%.o)
 MODULE_OWN := $(patsubst %,$(BUILD)/src/%.c.o,base/context base/build engine/relax/relax engine/relax/relax_friction engine/relax/relax_friction_run engine/relax/relax_ramp \
-  engine/relax/relax_fire)
+  engine/relax/relax_fire engine/relax/relax_frame)
 MODULE  := $(BUILD)/granhom-lammps.so
 VERSION := $(shell sed -n 's/^\#define GH_VERSION "\(.*\)"/\1/p' include/granhom/granhom.h)
 SONAME  := libgranhom.so.$(firstword $(subst ., ,$(VERSION)))

@@ -97,7 +97,7 @@ static gh_status arguments_check(gh_context *ctx, void *data) {
 /* ---- results ---- */
 
 static void write_header(job *j) {
-  rve_table_header(j->out, j->args->p.rve.law.friction);
+  rve_table_header(j->out, &j->args->p.rve);
   gh_text_print(j->out, ",");
   gh_terms_header(j->out, columns_control, ",");
   gh_text_print(j->out, "\n");
@@ -107,7 +107,7 @@ static gh_status write_row(job *j, int load_step, const gh_control_report *r, do
   const gh_rve_measures *m = gh_rve_measure(j->rve);
   size_t row;
   gh_text_get(j->out, &row);
-  rve_table_row(j->out, j->row, m, seconds, j->args->p.rve.law.friction);
+  rve_table_row(j->out, j->row, m, seconds, &j->args->p.rve);
   gh_text_print(j->out, ",%d,%.17g,%.17g,%d,%d,%d,%d,%.6g\n", load_step, gh_det2(m->F),
                 -(m->cauchy[0] + m->cauchy[3]) / 2, r->iterations, r->parts, r->cuts, r->jumps, r->mismatch);
   GH_TRY(gh_text_check_row(j->out, row, j->args->output ? j->args->output : "the result"));
@@ -233,6 +233,8 @@ static gh_status element(job *j) {
   GH_TRY(element_spec_check(j->ctx, &j->spec, &a->p.rve, j->packing, a->state.load != NULL));
   packing_note(j->ctx, &a->p);
   GH_TRY(cli_mpi(j->ctx, true));
+  const gh_status fits = gh_rve_check_packing(j->ctx, j->packing, &a->p.rve);
+  if (fits != GH_OK) return gh_prefix(j->ctx, fits, "%s: ", a->p.packing);
   GH_TRY(gh_rve_create(j->ctx, j->packing, &a->p.rve, &j->rve));
   if (a->state.load) GH_TRY(rve_state_load(j->ctx, a->state.load, j->rve, &a->p.rve, j->packing));
   GH_TRY(gh_control_create_rve(j->ctx, j->rve, &a->options, &j->control));

@@ -76,7 +76,7 @@ static gh_status arguments_check(gh_context *ctx, void *data) {
 /* ---- results ---- */
 
 static void write_headers(job *j) {
-  rve_table_header(j->out, j->args->p.rve.law.friction);
+  rve_table_header(j->out, &j->args->p.rve);
   if (j->args->p.rve.law.friction) {
     gh_text_print(j->out, ",");
     gh_terms_header(j->out, columns_path, ",");
@@ -106,7 +106,7 @@ static gh_status write_row(job *j, long step, const double A[16]) {
   gh_text_get(j->out, &row);
   if (j->tangent) gh_text_get(j->tangent, &tangent_row);
   const gh_rve_measures *m = gh_rve_measure(j->rve);
-  rve_table_row(j->out, step, m, m->seconds, j->args->p.rve.law.friction);
+  rve_table_row(j->out, step, m, m->seconds, &j->args->p.rve);
   if (j->args->p.rve.law.friction) gh_text_print(j->out, ",%d", j->ramps);
   gh_text_print(j->out, "\n");
   if (j->tangent) {
@@ -241,6 +241,8 @@ static gh_status rve(job *j) {
   GH_TRY(path_check(j->ctx, a->path, &j->path, &a->p.rve, j->packing));
   packing_note(j->ctx, &a->p);
   GH_TRY(cli_mpi(j->ctx, true));
+  const gh_status fits = gh_rve_check_packing(j->ctx, j->packing, &a->p.rve);
+  if (fits != GH_OK) return gh_prefix(j->ctx, fits, "%s: ", a->p.packing);
   GH_TRY(gh_rve_create(j->ctx, j->packing, &a->p.rve, &j->rve));
   if (a->state.load) GH_TRY(rve_state_load(j->ctx, a->state.load, j->rve, &a->p.rve, j->packing));
   if (a->estimate) GH_TRY(gh_rve_create(j->ctx, j->packing, &a->p.rve, &j->whole));

@@ -30,6 +30,11 @@ const gh_term columns_friction[] = {
     {"sliding", "contacts on the Coulomb limit"},
     {0}};
 
+const gh_term columns_frame[] = {
+    {"couple",
+     "moments of the supports of the frame per reference area; 0 but for `displacement` with friction"},
+    {0}};
+
 const gh_term columns_path[] = {
     {"ramps", "ramps of the increment along which slip was integrated; 0: it counts from the last state"},
     {0}};

@@ -6,6 +6,10 @@ static const char *const boundaries[] = {[GH_TAYLOR] = "taylor",
                                          [GH_TAYLOR_CELL] = "taylor-cell",
                                          [GH_RESTRICTED] = "restricted",
                                          [GH_PERIODIC] = "periodic",
+                                         [GH_DISPLACEMENT] = "displacement",
+                                         [GH_FRAME_PERIODIC] = "frame-periodic",
+                                         [GH_TRACTION] = "traction",
+                                         [GH_MIXED] = "mixed",
                                          NULL};
 static const char *const engines[] = {[GH_ENGINE_LAMMPS] = "lammps", [GH_ENGINE_NATIVE] = "native", NULL};
 static const char *const relaxations[] = {
@@ -18,6 +22,12 @@ static const char *const slips[] = {
 static const char *const hardening_laws[] = {
     [GH_HARDENING_PRINTED] = "printed", [GH_HARDENING_PROPORTIONAL] = "proportional", NULL};
 
+static gh_status mixed_read(gh_context *ctx, const char *where, const char *text, void *group) {
+  packing_options *o = group;
+  const gh_status status = gh_mixed_read(ctx, text, o->rve.mixed);
+  return status == GH_OK ? status : gh_prefix(ctx, status, "%s: ", where);
+}
+
 #define PLACE(member) .place = offsetof(packing_options, member)
 
 const option_row packing_condition_rows[] = {
@@ -26,9 +36,19 @@ const option_row packing_condition_rows[] = {
      .kind = OPTION_CHOICE,
      .words = boundaries,
      PLACE(rve.boundary),
-     .help = "taylor: all grains of the cluster follow F; taylor-cell: the same in the periodic cell; "
-             "restricted: grains at the boundary follow F, the others are in equilibrium; periodic: all "
-             "grains of the periodic cell are in equilibrium"},
+     .help =
+         "taylor: all grains of the cluster follow F; taylor-cell: the same in the periodic cell; "
+         "restricted: grains at the boundary follow F, the others are in equilibrium; periodic: all "
+         "grains of the periodic cell are in equilibrium. On a frame of the grains that the cell's boundary "
+         "cuts: displacement: they follow F; frame-periodic: opposite edges move alike; traction: uniform "
+         "traction, F in the mean; mixed: see --mixed"},
+    {.name = "mixed",
+     .argument = "X,Y",
+     .kind = OPTION_OWN,
+     .read = mixed_read,
+     .help = "with --boundary mixed: what the edges that the first (x) and second (y) lattice vector lead to "
+             "do, as "
+             "x=traction,y=displacement; of displacement, periodic, traction"},
     {.name = "engine",
      .argument = "NAME",
      .kind = OPTION_CHOICE,
@@ -208,6 +228,11 @@ static gh_status law_set(gh_context *ctx, const contact_options *c, gh_contact_l
 }
 
 gh_status packing_check(gh_context *ctx, packing_options *o) {
+  const bool mixes = o->rve.mixed[0] != GH_EDGES_OPEN;
+  if (mixes != (o->rve.boundary == GH_MIXED))
+    return gh_fail(ctx, GH_INPUT,
+                   mixes ? "--mixed needs --boundary mixed"
+                         : "--boundary mixed needs --mixed, as x=traction,y=displacement");
   o->rve.allow_overlap = isnan(o->contact.overlap) ? 0 : o->contact.overlap;
   return law_set(ctx, &o->contact, &o->rve.law);
 }

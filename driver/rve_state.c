@@ -42,7 +42,9 @@ static gh_status put(gh_context *ctx, gh_h5 *file, const gh_rve *rve, const gh_r
   law[SLIP] += 2 * law[HARDENING_LAW];
   char blas[GH_BLAS_SIZE];
   GH_TRY(gh_blas(ctx, blas, sizeof blas));
-  GH_TRY(gh_h5_put_text(file, "boundary", gh_boundary_name(o->boundary)));
+  char boundary[GH_MIXED_TEXT];
+  gh_boundary_text(o, boundary);
+  GH_TRY(gh_h5_put_text(file, "boundary", boundary));
   GH_TRY(gh_h5_put_text(file, "blas", blas));
   GH_TRY(gh_h5_put_doubles(file, "law", STORED, 1, law));
   GH_TRY(gh_h5_put_doubles(file, "packing/cell", 2, 2, p->cell));
@@ -66,12 +68,13 @@ gh_status rve_state_save(gh_context *ctx, const char *path, const gh_rve *rve, c
   return status;
 }
 
-static gh_status check_boundary(gh_context *ctx, const char *path, gh_h5 *file, gh_boundary boundary) {
-  char word[32];
+static gh_status check_boundary(gh_context *ctx, const char *path, gh_h5 *file, const gh_rve_options *o) {
+  char word[GH_MIXED_TEXT], now[GH_MIXED_TEXT];
+  gh_boundary_text(o, now);
   GH_TRY(gh_h5_get_text(file, "boundary", sizeof word, word));
-  if (!strcmp(word, gh_boundary_name(boundary))) return GH_OK;
+  if (!strcmp(word, now)) return GH_OK;
   return gh_fail(ctx, GH_INPUT, "%s: the state was saved with --boundary %s, and now it is %s", path, word,
-                 gh_boundary_name(boundary));
+                 now);
 }
 
 /* States of an earlier version of granhom do not name it. */
@@ -150,7 +153,7 @@ gh_status rve_state_load(gh_context *ctx, const char *path, gh_rve *rve, const g
   gh_status status;
   GH_TRY(gh_h5_read(ctx, path, KIND, NULL, &file));
   GH_TRY_OR(gh_alloc(ctx, 4 + 3 * (size_t)packing->n, sizeof *memory, &memory), done);
-  GH_TRY_OR(check_boundary(ctx, path, file, options->boundary), done);
+  GH_TRY_OR(check_boundary(ctx, path, file, options), done);
   GH_TRY_OR(check_packing(ctx, path, file, packing, memory), done);
   GH_TRY_OR(check_law(ctx, path, file, &options->law), done);
   GH_TRY_OR(check_blas(ctx, path, file), done);

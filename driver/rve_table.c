@@ -14,20 +14,27 @@ const option_row rve_table_option[] = {{.name = "output",
                                         .help = "results"},
                                        {0}};
 
-void rve_table_header(gh_text *out, bool friction) {
-  gh_terms_header(out, columns_point, ",");
-  if (!friction) return;
+static void more_columns(gh_text *out, bool wanted, const gh_term *columns) {
+  if (!wanted) return;
   gh_text_print(out, ",");
-  gh_terms_header(out, columns_friction, ",");
+  gh_terms_header(out, columns, ",");
 }
 
-void rve_table_row(gh_text *out, long step, const gh_rve_measures *m, double seconds, bool friction) {
+void rve_table_header(gh_text *out, const gh_rve_options *o) {
+  gh_terms_header(out, columns_point, ",");
+  more_columns(out, o->law.friction, columns_friction);
+  more_columns(out, gh_rve_has_frame(o), columns_frame);
+}
+
+void rve_table_row(gh_text *out, long step, const gh_rve_measures *m, double seconds,
+                   const gh_rve_options *o) {
   const double *const blocks[] = {m->F, m->P, m->cauchy};
   gh_text_print(out, "%ld", step);
   for (int b = 0; b < 3; b++)
     for (int k = 0; k < 4; k++) gh_text_print(out, ",%.17g", blocks[b][k]);
   gh_text_print(out, ",%.17g,%d,%d,%.17g,%.6g", m->energy, m->contacts, m->rattlers, m->residual, seconds);
-  if (friction) gh_text_print(out, ",%.17g,%.17g,%d", m->energy_t, m->dissipation, m->sliding);
+  if (o->law.friction) gh_text_print(out, ",%.17g,%.17g,%d", m->energy_t, m->dissipation, m->sliding);
+  if (gh_rve_has_frame(o)) gh_text_print(out, ",%.17g", m->couple);
 }
 
 gh_status rve_table_write(gh_context *ctx, gh_text *text, const char *path, bool last) {

@@ -30,7 +30,15 @@ typedef struct gh_engine_setup {
                                 Fixed grains still rotate, unless the law fixes the rotations of all */
   bool periodic;             /* true: a periodic cell; false: a cluster in free space, no images */
   gh_contact_law law;
+  /* What relaxation heeds besides; NULL: nothing of it. Contact lists do not depend on it. */
+  const unsigned char
+      *fixed; /* n, components that are prescribed, gh_fixed; x or y alone in a cluster only */
+  const unsigned char *edges; /* n, a bit for each edge of a frame that the grain is on: a contact counts half
+                                 for each edge that its two grains share */
+  const double *area;         /* n x 2, zero for grains without: sum x (x) area stays as it is */
 } gh_engine_setup;
+
+typedef enum gh_fixed { GH_FIXED_X = 1, GH_FIXED_Y = 2, GH_FIXED_TURN = 4 } gh_fixed;
 
 /* The converged state n that an increment with friction starts from. slips: the history of the contacts,
  * sorted by (i, j, image[1], image[0]); a contact that is not among them starts from zero. */
@@ -143,6 +151,9 @@ GH_API gh_status gh_engine_begin(gh_engine *engine, const gh_converged *state);
 GH_API gh_status gh_engine_set(gh_engine *engine, const double cell[4], const double *x, const double *theta);
 /* Changes the positions and rotations only, by little: cheaper than gh_engine_set. Same cell. */
 GH_API gh_status gh_engine_move(gh_engine *engine, const double *x, const double *theta);
+/* External forces (n x 2) and moments (n; without friction nothing), which relaxation balances with those of the
+ * contacts, from now on; copied. NULL: none. GH_INPUT: a value that is not finite. */
+GH_API gh_status gh_engine_load(gh_engine *engine, const double *force, const double *moment);
 /* Moves the free grains, and rotates all grains that may rotate, towards equilibrium. Not converging within
  * max_steps is no error: look at the result. */
 GH_API gh_status gh_engine_relax(gh_engine *engine, const gh_relax_options *options, gh_relax_result *result);

@@ -13,10 +13,38 @@ extern "C" {
 typedef struct gh_rve gh_rve;
 
 /* Boundary conditions (method 2). */
-typedef enum gh_boundary { GH_TAYLOR, GH_TAYLOR_CELL, GH_RESTRICTED, GH_PERIODIC } gh_boundary;
-/* "taylor", "taylor-cell", "restricted", "periodic"; false when the word is none of them. */
+typedef enum gh_boundary {
+  GH_TAYLOR,
+  GH_TAYLOR_CELL,
+  GH_RESTRICTED,
+  GH_PERIODIC,
+  GH_DISPLACEMENT, /* these four: on a frame, docs/explanation/frames.md */
+  GH_FRAME_PERIODIC,
+  GH_TRACTION,
+  GH_MIXED,
+  GH_BOUNDARIES
+} gh_boundary;
+/* "taylor", "taylor-cell", "restricted", "periodic", "displacement", "frame-periodic", "traction", "mixed"; false
+ * when the word is none of them. */
 GH_API bool gh_boundary_from_name(const char *name, gh_boundary *b);
 GH_API const char *gh_boundary_name(gh_boundary b);
+/* The words in one text: "taylor, taylor-cell, ...". */
+GH_API const char *gh_boundary_words(void);
+
+/* What a pair of opposite edges of a frame does. */
+typedef enum gh_edges {
+  GH_EDGES_OPEN, /* no condition: none is given */
+  GH_EDGES_DISPLACEMENT,
+  GH_EDGES_PERIODIC,
+  GH_EDGES_TRACTION
+} gh_edges;
+/* Of GH_MIXED: "x=traction,y=displacement", x the edges that the first lattice vector leads to. GH_INPUT: another
+ * text, or a pair without condition, whose work is not that of the stress then. */
+GH_API gh_status gh_mixed_read(gh_context *ctx, const char *text, gh_edges mixed[2]);
+enum { GH_MIXED_TEXT = 80 };
+/* The name of a condition with what it mixes: "mixed x=traction,y=displacement". */
+typedef struct gh_rve_options gh_rve_options;
+GH_API void gh_boundary_text(const gh_rve_options *options, char text[GH_MIXED_TEXT]);
 
 /* How slip is counted within an increment where grains are free (method 3, "Ramps"): along a ramp of F, committed
  * in every relaxation step, and over a short last part; or over the whole increment at once, as Table 7.1 does,
@@ -26,8 +54,9 @@ typedef enum gh_integration { GH_INTEGRATION_RAMP, GH_INTEGRATION_WHOLE } gh_int
 GH_API bool gh_integration_from_name(const char *name, gh_integration *integration);
 GH_API const char *gh_integration_name(gh_integration integration);
 
-typedef struct gh_rve_options {
+struct gh_rve_options {
   gh_boundary boundary;
+  gh_edges mixed[2]; /* of GH_MIXED, else nothing */
   gh_engine_kind engine;
   gh_contact_law law;
   double tolerance; /* residual: largest force on a free grain over the mean normal contact force; > 0,
@@ -40,13 +69,20 @@ typedef struct gh_rve_options {
   gh_integration integration; /* of slip; default GH_INTEGRATION_RAMP. Without friction it is nothing */
   double allow_overlap;       /* of accepted states, see granhom/limits.h: 0, the default: gh_default_limits;
                                INFINITY: any; else the largest mean overlap over the mean radius */
-} gh_rve_options;
+};
 GH_API gh_rve_options gh_rve_defaults(void);
 /* The relaxation steps that these options allow: max_steps, or the default (friction relaxes in fewer). */
 GH_API long gh_rve_step_limit(const gh_rve_options *options);
 
 /* Whether a packing often has several equilibria close to each other at one F: free grains with friction. */
 GH_API bool gh_rve_has_branches(const gh_rve_options *options);
+/* Whether the condition is one on a frame. */
+GH_API bool gh_rve_has_frame(const gh_rve_options *options);
+/* Whether the packing has what the condition needs: gh_rve_create and gh_farm_create refuse others. GH_INPUT: a frame
+ * with a gap that a grain can pass, no grain on an edge, one that reaches across the cell, a pair of edges without
+ * condition. */
+GH_API gh_status gh_rve_check_packing(gh_context *ctx, const gh_packing *packing,
+                                      const gh_rve_options *options);
 
 enum { GH_WANT_TANGENT = 1 };
 
@@ -56,6 +92,7 @@ typedef struct gh_rve_measures {
   double energy;       /* stored contact energy per reference area (5.1), friction's part included */
   double energy_t;     /* friction's part: elastic slip and hardening (7.6) */
   double dissipation;  /* dissipated by friction since the start, per reference area (7.13) */
+  double couple;       /* of a frame's supports: sum of their moments per reference area */
   double residual;     /* reached (method 3) */
   double mean_force;   /* mean normal contact force */
   double seconds;      /* of this evaluation */
@@ -161,7 +198,7 @@ GH_API void gh_rve_costs(const gh_rve *rve, gh_rve_cost *cost);
  * equilibrium. */
 GH_API gh_status gh_rve_boundary_stress(gh_rve *rve, double P[4]);
 /* Members of the last evaluation: number, current positions (n x 2), radii, primary grain and image (n x 2),
- * flags (1 rattler, 2 fixed, 4 replica), contacts. Periodic: the primaries alone, and `cell` holds the
+ * flags (1 rattler, 2 fixed, 4 replica, 8 on a frame), contacts. Periodic: the primaries alone, and `cell` holds the
  * current lattice vectors. Pointers belong to the RVE, valid until the next call. */
 typedef struct gh_rve_view {
   int n, ncontacts;
@@ -171,6 +208,9 @@ typedef struct gh_rve_view {
   const gh_contact *contacts;
   const gh_friction *friction; /* parallel to contacts; NULL without friction */
   const double *theta;         /* rotations; NULL without friction */
+  const double
+      *support; /* n x 3: forces and moments on the grains of a frame from outside, of all their copies
+                                  that are no members; NULL: no frame */
   double cell[4], low[2];
   bool periodic;
 } gh_rve_view;

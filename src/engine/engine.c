@@ -74,6 +74,10 @@ static gh_status check_setup(gh_context *ctx, const gh_engine_setup *s) {
       return gh_fail(ctx, GH_INPUT, "the radius of grain %d must be positive and finite, not %g", i + 1,
                      s->radius[i]);
     GH_TRY(check_radius(ctx, s->radius[i], s->law.normal_stiffness));
+    if (s->periodic && s->fixed && ((s->fixed[i] ^ s->fixed[i] >> 1) & GH_FIXED_X))
+      return gh_fail(ctx, GH_INPUT, "grain %d of a periodic cell is fixed in one direction alone", i + 1);
+    if (s->area && !gh_finite(&s->area[2 * i], 2))
+      return gh_fail(ctx, GH_INPUT, "the area of grain %d is not finite", i + 1);
     if (s->type && s->type[i] < 1)
       return gh_fail(ctx, GH_INPUT, "the type of grain %d must be 1 or more, not %d", i + 1, s->type[i]);
   }
@@ -245,6 +249,13 @@ gh_status gh_engine_move(gh_engine *e, const double *x, const double *theta) {
   GH_TRY(check_positions(e, x));
   GH_TRY(check_rotations(e, theta));
   return e->ops->move(e->self, x, theta);
+}
+
+gh_status gh_engine_load(gh_engine *e, const double *force, const double *moment) {
+  for (int i = 0; i < e->n; i++)
+    if ((force && !gh_finite(&force[2 * i], 2)) || (moment && !isfinite(moment[i])))
+      return gh_fail(e->ctx, GH_INPUT, "the external load of grain %d is not finite", i + 1);
+  return e->ops->load(e->self, force, e->friction ? moment : NULL);
 }
 
 gh_status gh_engine_relax(gh_engine *e, const gh_relax_options *options, gh_relax_result *result) {

@@ -16,6 +16,7 @@ typedef struct gh_engine_ops {
   gh_status (*begin)(void *self, const gh_converged *state); /* only with friction */
   gh_status (*set)(void *self, const double cell[4], const double *x, const double *theta);
   gh_status (*move)(void *self, const double *x, const double *theta);
+  gh_status (*load)(void *self, const double *force, const double *moment);
   gh_status (*relax)(void *self, const gh_relax_options *options, gh_relax_result *result);
   gh_status (*ramp)(void *self, const gh_ramp *ramp, gh_ramp_result *result); /* only with friction */
   gh_status (*contacts)(void *self, gh_contact_list *list);

@@ -9,30 +9,41 @@ static const double stress_free = 1e-3;
 
 /* Largest force on a free member, and largest moment over the radius where members rotate. */
 static double contacts_largest_unbalance(const gh_rve *r) {
+  const double *force = gh_frame_is_open(r->frame) ? r->frame->balance : r->list.force;
   double largest = 0;
   if (r->relaxes)
     for (int i = 0; i < r->n; i++)
-      if (!(r->held && r->held[i]))
-        largest = gh_max(largest, hypot(r->list.force[2 * i], r->list.force[2 * i + 1]));
+      if (!(r->held && r->held[i])) largest = gh_max(largest, hypot(force[2 * i], force[2 * i + 1]));
   if (r->turns)
-    for (int i = 0; i < r->n; i++) largest = gh_max(largest, fabs(r->list.moment[i]) / r->radius[i]);
+    for (int i = 0; i < r->n; i++)
+      if (!gh_frame_turns_with_F(r->frame, i))
+        largest = gh_max(largest, fabs(r->list.moment[i]) / r->radius[i]);
   return largest;
+}
+
+/* Number of contacts; those between copies count with their shares. */
+static double contacts_count(const gh_rve *r) {
+  double count = 0;
+  if (!gh_frame_is_open(r->frame)) return r->list.count;
+  for (int c = 0; c < r->list.count; c++) count += gh_frame_share_of(r->frame, &r->list.contacts[c]);
+  return count;
 }
 
 gh_status gh_rve_update_contacts(gh_rve *r) {
   double start = gh_seconds();
   GH_TRY(gh_engine_contacts(r->engine, &r->list));
+  if (gh_frame_is_open(r->frame)) GH_TRY(gh_frame_share_contacts(r));
   double sum = 0, all = 0, largest = contacts_largest_unbalance(r);
   const gh_contact *q = r->list.contacts;
   double E = r->options.law.normal_stiffness;
   for (int c = 0; c < r->list.count; c++) {
     all += hypot(q[c].f[0], q[c].f[1]);
-    sum += E * q[c].overlap;
+    sum += E * q[c].overlap * (gh_frame_is_open(r->frame) ? gh_frame_share_of(r->frame, &q[c]) : 1);
   }
   if (!gh_rve_friction(r)) sum = all; /* the same but for round-off */
   if (!isfinite(all) || !isfinite(sum) || !isfinite(largest))
     return gh_fail(r->ctx, GH_DIVERGED, "a contact force is not finite");
-  r->m.mean_force = r->list.count ? sum / r->list.count : 0;
+  r->m.mean_force = r->list.count ? sum / contacts_count(r) : 0;
   /* Grains that follow F and just touch carry nothing yet, but they are stiff (6.10); free ones float. */
   r->m.unjammed = r->relaxes ? r->m.mean_force <= r->floor : r->list.count == 0;
   r->m.residual = r->m.mean_force > 0 && !r->m.unjammed ? largest / r->m.mean_force : 0;
@@ -75,9 +86,11 @@ void gh_rve_find_round_off(gh_rve *r, const double cell[4]) {
 }
 
 gh_status gh_rve_find_rattlers(gh_rve *r) {
+  /* traction pushes the grains of a frame against the others */
+  const unsigned char *kept = gh_frame_is_open(r->frame) && !gh_rve_friction(r) ? r->frame->on : r->held;
   if (!gh_rve_friction(r))
-    return gh_rattlers_find(r->ctx, r->rattlers, r->n, r->held, r->list.contacts, r->list.count,
-                            r->m.mean_force, &r->m.rattlers);
-  r->m.rattlers = gh_rattlers_loose(r->rattlers, r->n, r->held, &r->list);
+    return gh_rattlers_find(r->ctx, r->rattlers, r->n, kept, r->list.contacts, r->list.count, r->m.mean_force,
+                            &r->m.rattlers);
+  r->m.rattlers = gh_rattlers_loose(r->rattlers, r->n, kept, &r->list);
   return GH_OK;
 }

@@ -100,7 +100,7 @@ static gh_status equilibrium_solve(gh_rve *r) {
 gh_status gh_rve_equilibrate(gh_rve *r) {
   double cell[4];
   double start = gh_seconds();
-  gh_mul2(r->F, r->packing->cell, cell);
+  gh_mul2(r->F, r->lattice, cell);
   gh_rve_find_round_off(r, cell);
   r->shift = 0;
   GH_TRY(gh_engine_set(r->engine, cell, r->x, r->theta));

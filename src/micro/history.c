@@ -50,7 +50,7 @@ gh_status gh_slips_load(gh_context *ctx, const double *from, int count, gh_slips
 static gh_status history_start(gh_rve *r, const double F[4], const double *y, const double *theta,
                                const gh_slips *slips) {
   gh_converged c = {.theta = theta, .slips = slips->slips, .nslips = slips->count, .x = r->step};
-  gh_mul2(F, r->packing->cell, c.cell);
+  gh_mul2(F, r->lattice, c.cell);
   for (int i = 0; i < r->n; i++) gh_apply2(F, &y[2 * i], &r->step[2 * i]);
   return gh_engine_begin(r->engine, &c);
 }

@@ -9,7 +9,8 @@
 
 typedef enum gh_condition_body {
   GH_BODY_CLUSTER, /* members are the grains of a cluster, without images */
-  GH_BODY_CELL     /* members are the primary grains, with periodic images */
+  GH_BODY_CELL,    /* members are the primary grains, with periodic images */
+  GH_BODY_FRAME /* the same, but for the copies of grains on edges under traction, which are members, too */
 } gh_condition_body;
 typedef enum gh_condition_fixes {
   GH_FIXES_NONE,     /* no position */
@@ -20,8 +21,10 @@ typedef struct gh_condition {
   const char *name;
   gh_condition_body body;
   gh_condition_fixes fixes;
+  gh_edges edges[2]; /* of a frame: those normal to each lattice vector */
 } gh_condition;
-const gh_condition *gh_condition_of(gh_boundary b);
+/* GH_MIXED: with the edges of the options. */
+gh_condition gh_condition_of(const gh_rve_options *options);
 /* Whether positions are unknown at given F. */
 static inline bool gh_condition_relaxes(const gh_condition *c) {
   return c->fixes != GH_FIXES_ALL;
@@ -29,11 +32,54 @@ static inline bool gh_condition_relaxes(const gh_condition *c) {
 /* Sets r->held: the members whose position is fixed. */
 gh_status gh_condition_fix(gh_rve *r);
 
+/* ---- frame.c: a frame of boundary grains (docs/explanation/frames.md) ---- */
+
+/* Directions are lattice vectors; x edges are those that the first one leads to. */
+typedef struct gh_rve_frame {
+  bool open[2]; /* edges under traction: not periodic, copies of their grains are members */
+  int n, *grain, (*image)[2], *type; /* members: primaries in order, then copies; image in lattice vectors */
+  double *x, *radius;                /* n x 2, n */
+  unsigned char *on;                 /* n: 1 on any edge, 0 inside */
+  unsigned char *edges;              /* n: bit 2 k + s: on edge s (0 low, 1 high) of the open direction k */
+  unsigned char *held;               /* n: follows F */
+  unsigned char *fixed;              /* n: gh_fixed of those; NULL: none is held */
+  int rank;                          /* directions that the areas span */
+  double axes[4];                    /* these, and what is left */
+  double *area, inverse[4];          /* n x 2: of traction, zero elsewhere; NULL: no edge is open */
+  double lattice[4];                 /* of the engine's cell before the deformation */
+  int corner;                        /* a grain on edges of both directions, else on any */
+  /* with open edges: contacts and forces with their shares, and forces without their part along the areas */
+  gh_contact *contacts;
+  gh_friction *friction;
+  double *force, *moment, *balance;
+  size_t contact_capacity, friction_capacity;
+  double *support; /* n x 3, of gh_rve_look */
+} gh_rve_frame;
+gh_status gh_frame_create(gh_context *ctx, const gh_packing *packing, const gh_condition *condition,
+                          gh_rve_frame **frame);
+void gh_frame_destroy(gh_rve_frame **frame);
+static inline bool gh_frame_is_open(const gh_rve_frame *f) {
+  return f && f->area;
+}
+/* The engine's list with the shares of contacts between copies, into the frame. */
+gh_status gh_frame_share_contacts(gh_rve *r);
+double gh_frame_share_of(const gh_rve_frame *f, const gh_contact *q);
+/* Whether the rotation of a member is prescribed. */
+static inline bool gh_frame_turns_with_F(const gh_rve_frame *f, int i) {
+  return f && f->fixed && f->fixed[i] & GH_FIXED_TURN;
+}
+/* From the rotation of one F to that of another, in (-pi, pi]; the first and second derivative of F's. */
+double gh_rotation_between(const double from[4], const double to[4]);
+void gh_rotation_slope(const double F[4], double slope[4], double curvature[16]);
+/* Moments of the supports of the members whose rotation is prescribed. */
+double gh_frame_couple(const gh_rve *r);
+
 /* ---- solver: the linear system of the unknowns ---- */
 
 /* What unknowns and stiffness depend on. */
 typedef struct gh_solver_input {
   const unsigned char *held;    /* members whose position is fixed; NULL: none */
+  const unsigned char *fixed;   /* gh_fixed; of it GH_FIXED_TURN: members whose rotation is; NULL: none */
   const unsigned char *rattler; /* members that are left out */
   bool turns;                   /* rotations are unknown */
   bool pin;                     /* the position of one member of each connected component is left out */
@@ -69,7 +115,13 @@ gh_status gh_solver_block(gh_context *ctx, int members, bool symmetric, gh_solve
  * unsymmetric. */
 gh_status gh_solver_cholmod(gh_context *ctx, int members, gh_solver **s);
 gh_status gh_solver_klu(gh_context *ctx, int members, gh_solver **s);
+/* The same under the constraint of traction on the frame, which stays the caller's (solver_frame.c). */
+gh_status gh_solver_frame(gh_context *ctx, int members, bool symmetric, const gh_rve_frame *frame,
+                          gh_solver **s);
 void gh_solver_destroy(gh_solver **s);
+static inline bool gh_solver_turns(const gh_solver_input *in, int i) {
+  return in->turns && !in->rattler[i] && !(in->fixed && in->fixed[i] & GH_FIXED_TURN);
+}
 /* Numbers the unknowns: positions where they are not fixed, rotations where they are unknown. */
 gh_status gh_solver_number(gh_context *ctx, gh_solver *s, const gh_solver_input *in);
 /* Assembles and factorises K of the contacts; `shift` is added to the diagonal, times r^2 for rotations.
@@ -135,19 +187,22 @@ struct gh_rve {
   gh_rve_options options;
   gh_packing *packing;
   gh_cluster *cluster; /* taylor and restricted */
+  gh_rve_frame *frame; /* conditions on a frame */
   gh_engine *engine;
   gh_solver *solver; /* NULL where nothing is unknown */
   gh_rattlers *rattlers;
-  int n; /* members: primaries, or the cluster */
-  bool periodic;
-  bool relaxes;         /* positions of free members are unknown */
-  bool turns;           /* rotations are unknown: friction, and not fixed */
-  double volume;        /* of the reference cell */
-  double accept_within; /* multiple of the tolerance up to which a packing that has spent its steps is
+  int n;                 /* members: primaries, or the cluster */
+  bool periodic;         /* the engine has a cell */
+  bool pinned;           /* nothing else prevents a translation */
+  const double *lattice; /* of that cell, before the deformation */
+  bool relaxes;          /* positions of free members are unknown */
+  bool turns;            /* rotations are unknown: friction, and not fixed */
+  double volume;         /* of the reference cell */
+  double accept_within;  /* multiple of the tolerance up to which a packing that has spent its steps is
                            accepted */
-  double floor;         /* mean normal force at or below which the packing counts as unjammed */
-  double mean_radius;   /* of the primary grains */
-  double extent;        /* of the cell and the positions: sets round-off of the forces */
+  double floor;          /* mean normal force at or below which the packing counts as unjammed */
+  double mean_radius;    /* of the primary grains */
+  double extent;         /* of the cell and the positions: sets round-off of the forces */
   const double *radius;
   const unsigned char *held;
   unsigned char *all_held; /* memory of `held` where all positions are prescribed */
@@ -265,9 +320,10 @@ static inline bool gh_rve_friction(const gh_rve *r) {
 }
 static inline gh_solver_input gh_rve_solver_input(const gh_rve *r) {
   return (gh_solver_input){.held = r->held,
+                           .fixed = r->frame ? r->frame->fixed : NULL,
                            .rattler = r->rattlers->flag,
                            .turns = r->turns,
-                           .pin = r->periodic,
+                           .pin = r->pinned,
                            .radius = r->radius,
                            .list = &r->list};
 }

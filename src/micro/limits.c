@@ -27,7 +27,8 @@ static const char *const units_cause =
     "force per length)";
 
 static bool all_grains_follow(const gh_rve_options *o) {
-  return !gh_condition_relaxes(gh_condition_of(o->boundary));
+  const gh_condition c = gh_condition_of(o);
+  return !gh_condition_relaxes(&c);
 }
 
 gh_limits gh_limits_of(const gh_rve_options *o) {

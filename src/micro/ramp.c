@@ -60,7 +60,7 @@ long gh_rve_patience(const gh_rve *r) {
 /* The engine stands at the start then. */
 static gh_status start_set(gh_rve *r, const gh_start *b) {
   double cell[4];
-  gh_mul2(b->F, r->packing->cell, cell);
+  gh_mul2(b->F, r->lattice, cell);
   for (int i = 0; i < r->n; i++) gh_apply2(b->F, &b->y[2 * i], &r->x[2 * i]);
   gh_rve_find_round_off(r, cell);
   return gh_engine_set(r->engine, cell, r->x, b->theta);
@@ -77,7 +77,8 @@ gh_status gh_rve_find_pressure(gh_rve *r) {
   GH_TRY(gh_engine_contacts(r->engine, &r->list));
   for (int c = 0; c < r->list.count; c++) {
     const gh_contact *q = &r->list.contacts[c];
-    sum += q->overlap * hypot(q->l[0], q->l[1]);
+    sum += q->overlap * hypot(q->l[0], q->l[1]) *
+           (gh_frame_is_open(r->frame) ? gh_frame_share_of(r->frame, q) : 1);
   }
   r->pressuren = r->options.law.normal_stiffness * sum / (2 * r->volume * gh_det2(r->Fn));
   gh_engine_costs(r->engine, &after);
@@ -105,6 +106,7 @@ static gh_status base_take(gh_rve *r, const gh_start *from, const double to[4],
   for (int i = 0; i < r->n; i++) {
     if (r->held && r->held[i]) memcpy(&r->y[2 * i], &from->y[2 * i], 2 * sizeof(double));
     else gh_apply2(inverse, &r->x[2 * i], &r->y[2 * i]);
+    if (gh_frame_turns_with_F(r->frame, i)) r->theta[i] = from->theta[i] + gh_rotation_between(from->F, to);
   }
   memcpy(k->y, r->y, 2 * (size_t)r->n * sizeof(double));
   memcpy(k->theta, r->theta, (size_t)r->n * sizeof(double));
@@ -179,6 +181,7 @@ gh_status gh_rve_mark_sliding(gh_rve *r) {
     const gh_coulomb_result now = {
         .force = f->force, .alpha = f->slip.alpha, .c = 1, .slides = f->force > 0 ? 1 : -1};
     gh_coulomb_derivative(law, &s, &now, f->d);
+    for (int k = 0; k < 9 && gh_frame_is_open(r->frame); k++) f->d[k] *= gh_frame_share_of(r->frame, q);
     f->slides = 1;
   }
   return GH_OK;

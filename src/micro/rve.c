@@ -24,6 +24,7 @@ void gh_rve_destroy(gh_rve **rve) {
   gh_solver_destroy(&r->solver);
   gh_rattlers_destroy(&r->rattlers);
   gh_cluster_destroy(&r->cluster);
+  gh_frame_destroy(&r->frame);
   gh_packing_destroy(&r->packing);
   void *const arrays[] = {r->X,
                           r->yn,
@@ -68,11 +69,17 @@ static gh_status options_check(gh_context *ctx, const gh_rve_options *o) {
 
 static gh_status rve_make_engine(gh_rve *r) {
   const gh_cluster *c = r->cluster;
-  r->radius = c ? c->radius : r->packing->radius;
+  const gh_rve_frame *f = r->frame;
+  r->radius = c ? c->radius : f ? f->radius : r->packing->radius;
   GH_TRY(gh_condition_fix(r));
   gh_engine_setup setup = {.n = r->n,
                            .radius = r->radius,
-                           .type = c ? c->type : r->packing->type,
+                           .type = c   ? c->type
+                                   : f ? f->type
+                                       : r->packing->type,
+                           .fixed = f && r->turns ? f->fixed : NULL,
+                           .edges = gh_frame_is_open(f) ? f->edges : NULL,
+                           .area = gh_frame_is_open(f) ? f->area : NULL,
                            .held = r->held,
                            .periodic = r->periodic,
                            .law = r->options.law};
@@ -87,7 +94,7 @@ static gh_status rve_make_state(gh_rve *r) {
   GH_TRY(gh_alloc(r->ctx, n, sizeof(int), &r->view_grain));
   GH_TRY(gh_alloc(r->ctx, n, sizeof(int), &r->view_id));
   GH_TRY(gh_alloc(r->ctx, n, 1, &r->view_flags));
-  memcpy(r->X, r->cluster ? r->cluster->x : r->packing->x, n * sizeof(double));
+  memcpy(r->X, r->cluster ? r->cluster->x : r->frame ? r->frame->x : r->packing->x, n * sizeof(double));
   memcpy(r->yn, r->X, n * sizeof(double));
   memcpy(r->y, r->X, n * sizeof(double));
   memcpy(r->Fn, (double[4]){1, 0, 0, 1}, sizeof r->Fn);
@@ -109,6 +116,8 @@ static gh_status rve_make_state(gh_rve *r) {
 static gh_status rve_make_solver(gh_rve *r) {
   if (!gh_rve_solves(r)) return GH_OK;
   GH_TRY(gh_rattlers_create(r->ctx, r->n, &r->rattlers));
+  if (gh_frame_is_open(r->frame))
+    return gh_solver_frame(r->ctx, r->n, !gh_rve_friction(r), r->frame, &r->solver);
   return gh_solver_block(r->ctx, r->n, !gh_rve_friction(r), &r->solver);
 }
 
@@ -116,19 +125,23 @@ gh_status gh_rve_create(gh_context *ctx, const gh_packing *packing, const gh_rve
                         gh_rve **rve) {
   *rve = NULL;
   GH_TRY(options_check(ctx, options));
+  GH_TRY(gh_rve_check_packing(ctx, packing, options));
   gh_rve *r;
   GH_TRY(gh_alloc(ctx, 1, sizeof *r, &r));
   gh_status status;
   r->ctx = ctx;
   r->options = *options;
   r->options.max_steps = gh_rve_step_limit(options);
-  const gh_condition *condition = gh_condition_of(options->boundary);
-  r->relaxes = gh_condition_relaxes(condition);
+  const gh_condition condition = gh_condition_of(options);
+  r->relaxes = gh_condition_relaxes(&condition);
   r->turns = options->law.friction && !options->law.fixed_rotations;
-  r->periodic = condition->body == GH_BODY_CELL;
+  r->periodic = condition.body != GH_BODY_CLUSTER;
   GH_TRY_OR(gh_packing_copy(ctx, packing, &r->packing), failed);
   if (!r->periodic) GH_TRY_OR(gh_cluster_create(ctx, packing, &r->cluster), failed);
-  r->n = r->cluster ? r->cluster->n : packing->n;
+  if (condition.body == GH_BODY_FRAME)
+    GH_TRY_OR(gh_frame_create(ctx, packing, &condition, &r->frame), failed);
+  r->n = r->cluster ? r->cluster->n : r->frame ? r->frame->n : packing->n;
+  r->lattice = r->frame ? r->frame->lattice : r->packing->cell;
   r->volume = gh_det2(packing->cell);
   r->mean_radius = gh_packing_mean_radius(packing);
   GH_TRY_OR(rve_make_engine(r), failed);
@@ -146,6 +159,12 @@ static void positions_pull_back(gh_rve *r) {
   double inverse[4];
   gh_inv2(r->F, inverse);
   for (int i = 0; i < r->n; i++) gh_apply2(inverse, &r->x[2 * i], &r->y[2 * i]);
+  if (!r->frame || !r->pinned) return;
+  const int corner = r->frame->corner; /* nothing else prescribes where the packing is: corners follow F */
+  const double off[2] = {r->y[2 * corner] - r->X[2 * corner], r->y[2 * corner + 1] - r->X[2 * corner + 1]};
+  double shift[2];
+  gh_apply2(r->F, off, shift);
+  for (int i = 0; i < 2 * r->n; i++) r->y[i] -= off[i % 2], r->x[i] -= shift[i % 2];
 }
 
 /* Grains are assumed to rotate with the body: by the rotation of F since its start. Where they slide,
@@ -157,6 +176,8 @@ static void rotations_guess(gh_rve *r, const gh_start *b) {
   gh_mul2(r->F, inverse, f);
   double turn = r->turns ? gh_turn2(f) : 0;
   for (int i = 0; i < r->n; i++) r->theta[i] = b->theta[i] + turn;
+  for (int i = 0; i < r->n && r->turns && r->frame; i++)
+    if (gh_frame_turns_with_F(r->frame, i)) r->theta[i] = b->theta[i] + gh_rotation_between(b->F, r->F);
 }
 
 static gh_status rve_evaluate(gh_rve *r, const double *near, unsigned want, double A[16]) {

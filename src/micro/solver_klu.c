@@ -37,7 +37,7 @@ static void unknowns_number(coupled *s, const gh_solver_input *in, const int *co
     bool moves = !in->rattler[i] && !(in->held && in->held[i]) && !(component && component[i] == i);
     u[0] = moves ? s->base.n++ : -1;
     u[1] = moves ? s->base.n++ : -1;
-    u[2] = in->turns && !in->rattler[i] ? s->base.n++ : -1;
+    u[2] = gh_solver_turns(in, i) ? s->base.n++ : -1;
   }
 }
 

@@ -26,8 +26,17 @@ static gh_status friction_sum(gh_rve *r) {
   return GH_OK;
 }
 
+/* Couples of the frame work on the rotation of F. */
+static void couple_add(gh_rve *r, double P[4]) {
+  double slope[4], curvature[16];
+  const double couple = gh_frame_couple(r);
+  gh_rotation_slope(r->F, slope, curvature);
+  for (int k = 0; k < 4; k++) P[k] += couple * slope[k];
+  r->m.couple = couple / r->volume;
+}
+
 gh_status gh_rve_sums(gh_rve *r) {
-  double inverse[4], P[4] = {0}, energy = 0, fabric[3] = {0}, overlap = 0;
+  double inverse[4], P[4] = {0}, energy = 0, fabric[3] = {0}, overlap = 0, copies = 0;
   int carrying = 0, engulfed = 0;
   gh_inv2(r->F, inverse);
   if (!r->m.unjammed)
@@ -42,10 +51,12 @@ gh_status gh_rve_sums(gh_rve *r) {
       fabric[2] += q->l[1] * q->l[1] / d2;
       if (r->rattlers && (r->rattlers->flag[q->i] || r->rattlers->flag[q->j])) continue;
       carrying++;
+      if (gh_frame_is_open(r->frame)) copies += 1 - gh_frame_share_of(r->frame, q);
       overlap += q->overlap;
       engulfed += q->overlap > fmin(r->radius[q->i], r->radius[q->j]);
     }
   GH_TRY(friction_sum(r));
+  if (r->frame && r->frame->fixed && r->turns && !r->m.unjammed) couple_add(r, P);
   energy += r->m.energy_t * r->volume;
   for (int k = 0; k < 4; k++) r->m.P[k] = P[k] / r->volume;
   r->m.energy = energy / r->volume;
@@ -57,8 +68,9 @@ gh_status gh_rve_sums(gh_rve *r) {
   r->m.engulfed = engulfed;
   gh_cauchy2(r->m.P, r->F, r->m.cauchy);
   r->m.volume_fraction = grains_find_area(r) / (r->volume * gh_det2(r->F));
-  int members = r->n - r->m.rattlers;
-  r->m.coordination = r->m.unjammed || members < 1 ? 0 : 2.0 * carrying / members;
+  int members = r->packing->n - r->m.rattlers; /* copies count once */
+  if (r->cluster) members += r->n - r->packing->n;
+  r->m.coordination = r->m.unjammed || members < 1 ? 0 : 2 * (carrying - copies) / members;
   return GH_OK;
 }
 
@@ -68,10 +80,10 @@ static void contact_bridge(const gh_rve *r, const gh_contact *q, const double *y
   gh_inv2(r->F, inverse);
   gh_apply2(inverse, q->l, m);
   for (int a = 0; a < 2; a++) m[a] -= y[2 * q->j + a] - y[2 * q->i + a];
-  gh_inv2(r->packing->cell, inverse);
+  gh_inv2(r->lattice, inverse);
   gh_apply2(inverse, m, k);
   k[0] = round(k[0]), k[1] = round(k[1]);
-  gh_apply2(r->packing->cell, k, m);
+  gh_apply2(r->lattice, k, m);
 }
 
 gh_status gh_rve_boundary_stress(gh_rve *r, double P[4]) {
@@ -86,7 +98,8 @@ gh_status gh_rve_boundary_stress(gh_rve *r, double P[4]) {
     }
   for (int i = 0; i < r->n;
        i++) { /* (5.16), (5.19): external forces balance the contacts of the prescribed grains */
-    if (r->relaxes && !(r->held && r->held[i])) continue;
+    const bool pulled = gh_frame_is_open(r->frame) && r->frame->edges[i];
+    if (r->relaxes && !(r->held && r->held[i]) && !pulled) continue;
     for (int k = 0; k < 4; k++) P[k] -= r->list.force[2 * i + k / 2] * y[2 * i + k % 2];
   }
   for (int k = 0; k < 4; k++) P[k] /= r->volume;

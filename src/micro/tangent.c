@@ -135,9 +135,61 @@ static void friction_add_stress(const gh_rve *r, const double *X, double A[16]) 
   }
 }
 
+/* ---- rotations that follow F (displacement of a frame) ----
+ *
+ * They change q by g theta'(F), where g is the sum of the radii of such ends, and their couples work on theta'. */
+
+/* The sum of the radii of the ends whose rotation follows F. */
+static double contact_turned_radius(const gh_rve *r, const gh_contact *q) {
+  return (gh_frame_turns_with_F(r->frame, q->i) ? r->radius[q->i] : 0) +
+         (gh_frame_turns_with_F(r->frame, q->j) ? r->radius[q->j] : 0);
+}
+
+static void turned_add_right(const gh_rve *r, const double slope[4]) {
+  const gh_solver *s = r->solver;
+  for (int c = 0; c < r->list.count; c++) {
+    const gh_contact *q = &r->list.contacts[c];
+    const double *d = r->list.friction[c].d, g = contact_turned_radius(r, q);
+    for (int e = 0; e < 2 && g > 0; e++) {
+      const int grain = e ? q->j : q->i;
+      const double scale[3] = {gh_end_sign(e), gh_end_sign(e), r->radius[grain]};
+      for (int h = 0; h < 3; h++) {
+        const int u = s->unknown[3 * grain + h];
+        for (int kL = 0; kL < 4 && u >= 0; kL++)
+          s->rhs[s->n * kL + u] += scale[h] * d[3 * h + 2] * g * slope[kL];
+      }
+    }
+  }
+}
+
+static void turned_add_stress(const gh_rve *r, const double *X, double A[16]) {
+  double inverse[4], slope[4], curvature[16];
+  const double couple = gh_frame_couple(r);
+  gh_inv2(r->F, inverse);
+  gh_rotation_slope(r->F, slope, curvature);
+  for (int k = 0; k < 16; k++) A[k] += couple * curvature[k] / r->volume;
+  for (int c = 0; c < r->list.count; c++) {
+    const gh_contact *q = &r->list.contacts[c];
+    const double *d = r->list.friction[c].d, g = contact_turned_radius(r, q);
+    double m[2];
+    if (!(g > 0)) continue;
+    gh_apply2(inverse, q->l, m);
+    for (int kL = 0; kL < 4; kL++) {
+      double change[3], strain[3] = {0, 0, g * slope[kL]};
+      friction_strain(r, q, X + r->solver->n * kL, change);
+      strain[kL / 2] += m[kL % 2];
+      double dM = 0;
+      for (int h = 0; h < 3; h++) dM += d[6 + h] * (strain[h] - change[h]);
+      for (int iJ = 0; iJ < 4; iJ++)
+        A[4 * iJ + kL] += (d[3 * (iJ / 2) + 2] * g * slope[kL] * m[iJ % 2] + dM * g * slope[iJ]) / r->volume;
+    }
+  }
+}
+
 gh_status gh_rve_tangent_friction(gh_rve *r, double A[16]) {
   memset(A, 0, 16 * sizeof *A);
   if (r->m.unjammed) return tangent_of_unjammed(r);
+  const bool turned = r->frame && r->frame->fixed && r->turns;
   double start = gh_seconds(), inverse[4];
   const double *X = NULL;
   if (gh_rve_solves(r)) {
@@ -152,9 +204,15 @@ gh_status gh_rve_tangent_friction(gh_rve *r, double A[16]) {
       gh_apply2(inverse, r->list.contacts[c].l, m);
       friction_add_right(r, &r->list.contacts[c], r->list.friction[c].d, m);
     }
+    if (turned) {
+      double slope[4], curvature[16];
+      gh_rotation_slope(r->F, slope, curvature);
+      turned_add_right(r, slope);
+    }
     GH_TRY(gh_solver_solve(r->ctx, r->solver, 4, &X));
   }
   friction_add_stress(r, X, A);
+  if (turned) turned_add_stress(r, X, A);
   r->cost.factorise += gh_seconds() - start;
   if (!gh_finite(A, 16)) return gh_fail(r->ctx, GH_DIVERGED, "the tangent is not finite");
   r->m.acoustic = gh_acoustic(A, &r->m.acoustic_angle);

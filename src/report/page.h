@@ -108,6 +108,8 @@ gh_status report_rve_recorded(gh_h5 *file, int point, bool *recorded);
 /* GH_INPUT: missing or damaged. To be freed also then. */
 gh_status report_rve_read(gh_context *ctx, gh_h5 *file, int point, report_rve *rve);
 void report_rve_free(report_rve *rve);
+/* Whether grains of a frame are among them. */
+bool report_rve_has_frame(const report_rve *rve);
 /* The shift that brings x into the cell; zero for clusters. */
 void report_rve_home(const report_rve *rve, const double *x, double shift[2]);
 

@@ -112,8 +112,9 @@ static void draw_grains(report_page *p, const report_rve *d) {
           x[k] = d->x[2 * n + (size_t)k] + shift[k] + i * d->cell[2 * k] + j * d->cell[2 * k + 1];
         bool replica = i || j || (d->flags[n] & 4), rattler = d->flags[n] & 1;
         double grey = rattler ? 1.0 : replica ? 0.93 : 0.84, dark = replica ? 0.8 : 0.55;
-        report_page_disk(p, x, d->radius[n], (double[3]){grey, grey, grey}, (double[3]){dark, dark, dark},
-                         0.8);
+        const double frame = d->flags[n] & 8 ? 0.75 : 1; /* of green and blue: pale red */
+        report_page_disk(p, x, d->radius[n], (double[3]){grey, frame * grey, frame * grey},
+                         (double[3]){dark, dark, dark}, 0.8);
       }
   }
 }
@@ -158,6 +159,12 @@ static double largest_radius(const report_rve *d) {
   return radius;
 }
 
+bool report_rve_has_frame(const report_rve *d) {
+  for (size_t n = 0; n < d->n; n++)
+    if (d->flags[n] & 8) return true;
+  return false;
+}
+
 static void draw_rve(report_page *p, const report_rve *d, const report_labels *l) {
   double most = largest_force(d);
   char text[512];
@@ -175,8 +182,9 @@ static void draw_rve(report_page *p, const report_rve *d, const report_labels *l
            d->step);
   report_page_text(p, 24, 36, 20, 0, text);
   snprintf(text, sizeof text,
-           "%s: width of lines ~ contact force, largest %.3g%s%s; white grains: rattlers; red: cell",
-           d->ncontacts ? "Force network" : "No contacts", most, *l->force ? " " : "", l->force);
+           "%s: width of lines ~ contact force, largest %.3g%s%s; white grains: rattlers; red: cell%s",
+           d->ncontacts ? "Force network" : "No contacts", most, *l->force ? " " : "", l->force,
+           report_rve_has_frame(d) ? "; pale red: frame" : "");
   report_page_text(p, 24, 64, 15, 0, text);
   snprintf(text, sizeof text, "Cauchy stress  s11 = %.3g,  s22 = %.3g,  s12 = %.3g%s%s", d->cauchy[0],
            d->cauchy[3], d->cauchy[1], *l->stress ? " " : "", l->stress);

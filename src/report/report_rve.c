@@ -6,7 +6,7 @@
 #include <string.h>
 
 enum { PAGE = 1000, WIDEST = 26, LEVELS = 16, ANGLES = 180, LONGEST_TRACE = 60 };
-enum { RATTLER = 1, REPLICA = 4 };
+enum { RATTLER = 1, REPLICA = 4, FRAME = 8 };
 
 /* From the plane to the page. */
 typedef struct view {
@@ -91,8 +91,8 @@ static void print_grains(gh_text *out, const view *v, const report_rve *d) {
           x[k] = d->x[2 * n + k] + shift[k] + i * d->cell[2 * k] + j * d->cell[2 * k + 1];
         if (!on_page(v, x, d->radius[n])) continue;
         const char *class = d->flags[n] & RATTLER ? "w" : i || j || (d->flags[n] & REPLICA) ? "r" : "g";
-        gh_text_print(out, "<circle class=\"%s\" cx=\"%.0f\" cy=\"%.0f\" r=\"%.1f\"/>", class, px(v, x[0]),
-                      py(v, x[1]), v->scale * d->radius[n]);
+        gh_text_print(out, "<circle class=\"%s%s\" cx=\"%.0f\" cy=\"%.0f\" r=\"%.1f\"/>", class,
+                      d->flags[n] & FRAME ? " f" : "", px(v, x[0]), py(v, x[1]), v->scale * d->radius[n]);
       }
   }
 }
@@ -174,9 +174,11 @@ static void draw_network(report *r, const report_rve *d) {
     gh_text_print(r->out, " ");
     report_escape(r->out, r->labels.force);
   }
-  gh_text_print(r->out, "%s. Outlines: rattlers; lighter: %s; orange: the cell, %.4g by %.4g",
-                d->sliding ? "; purple: sliding contacts" : "", d->periodic ? "periodic images" : "replicas",
-                hypot(d->cell[0], d->cell[2]), hypot(d->cell[1], d->cell[3]));
+  gh_text_print(r->out, "%s%s. Outlines: rattlers; lighter: %s; orange: the cell, %.4g by %.4g",
+                d->sliding ? "; purple: sliding contacts" : "",
+                report_rve_has_frame(d) ? "; red outlines: frame" : "",
+                d->periodic ? "periodic images" : "replicas", hypot(d->cell[0], d->cell[2]),
+                hypot(d->cell[1], d->cell[3]));
   print_length(r);
   gh_text_print(r->out, ".</p></figure>\n");
 }

@@ -59,6 +59,7 @@ static const char *const style[] = {
     "4;vector-effect:non-scaling-stroke}",
     ".lost{fill:var(--c2);stroke:var(--c2)}.band{stroke:#111;stroke-width:2.2;fill:none}",
     ".g{fill:var(--grain);stroke:var(--grainline)}.r{fill:var(--replica);stroke:var(--replicaline)}",
+    ".f{stroke:#b03a2e;stroke-width:3}"
     ".w{fill:none;stroke:var(--grainline);stroke-dasharray:7 5}",
     ".fc "
     "path{fill:none;stroke:var(--c1);stroke-linecap:round}.fs "

@@ -40,6 +40,13 @@ const gh_term results_grain_columns[] = {
 
 const gh_term results_grain_friction[] = {{"theta", "rotation, radians"}, {0}};
 
+const gh_term results_grain_frame[] = {
+    {"frame", "1: on the frame"},
+    {"ax", "force of the support on it; copies that are no grains here included"},
+    {"ay", ""},
+    {"moment", "moment of the support on it"},
+    {0}};
+
 const gh_term results_contact_columns[] = {
     {"index", "number"},
     {"id1", "first grain"},
@@ -100,6 +107,7 @@ const gh_term_list *gh_results_columns(void) {
                                      {"rves.h5: /rve/POINT", rve_datasets},
                                      {"dumps/point_N.dump", results_grain_columns},
                                      {"dumps/point_N.dump with friction", results_grain_friction},
+                                     {"dumps/point_N.dump on a frame", results_grain_frame},
                                      {"dumps/point_N.contacts.dump", results_contact_columns},
                                      {"dumps/point_N.contacts.dump with friction", results_contact_friction},
                                      {0}};

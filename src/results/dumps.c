@@ -123,11 +123,14 @@ static void head_print(gh_text *t, long counter, const char *what, int rows, con
   }
 }
 
-static void columns_print(gh_text *t, const char *what, const gh_term *columns, const gh_term *more) {
-  gh_text_print(t, "ITEM: %s ", what);
-  gh_terms_header(t, columns, " ");
-  if (more) gh_text_print(t, " ");
-  if (more) gh_terms_header(t, more, " ");
+static void columns_print(gh_text *t, const char *what, const gh_term *columns, const gh_term *more,
+                          const gh_term *most) {
+  const gh_term *const lists[] = {columns, more, most};
+  gh_text_print(t, "ITEM: %s", what);
+  for (int k = 0; k < 3; k++) {
+    if (lists[k]) gh_text_print(t, " ");
+    if (lists[k]) gh_terms_header(t, lists[k], " ");
+  }
   gh_text_print(t, "\n");
 }
 
@@ -147,7 +150,8 @@ static void box_enter(const box *b, const double from[2], double x[2], int image
 
 static void grains_print(gh_text *t, long counter, const gh_rve_view *v, const box *b) {
   head_print(t, counter, "ATOMS", v->n, b);
-  columns_print(t, "ATOMS", results_grain_columns, v->theta ? results_grain_friction : NULL);
+  columns_print(t, "ATOMS", results_grain_columns, v->theta ? results_grain_friction : NULL,
+                v->support ? results_grain_frame : NULL);
   for (int i = 0; i < v->n; i++) {
     double x[2];
     int image[2];
@@ -156,6 +160,11 @@ static void grains_print(gh_text *t, long counter, const gh_rve_view *v, const b
                   image[1], v->radius[i], v->id[i], v->flags[i] & 1, v->flags[i] >> 1 & 1,
                   v->flags[i] >> 2 & 1);
     if (v->theta) gh_text_print(t, " %.17g", v->theta[i]);
+    if (v->support) {
+      double a[2];
+      gh_apply2(b->turn, v->support + 3 * i, a);
+      gh_text_print(t, " %d %.17g %.17g %.17g", v->flags[i] >> 3 & 1, a[0], a[1], v->support[3 * i + 2]);
+    }
     gh_text_print(t, "\n");
   }
 }
@@ -186,7 +195,7 @@ static void contact_print(gh_text *t, const gh_rve_view *v, const box *b, int k)
 
 static void contacts_print(gh_text *t, long counter, const gh_rve_view *v, const box *b) {
   head_print(t, counter, "ENTRIES", v->ncontacts, b);
-  columns_print(t, "ENTRIES", results_contact_columns, v->friction ? results_contact_friction : NULL);
+  columns_print(t, "ENTRIES", results_contact_columns, v->friction ? results_contact_friction : NULL, NULL);
   for (int k = 0; k < v->ncontacts; k++) contact_print(t, v, b, k);
 }
 

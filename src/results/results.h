@@ -41,7 +41,7 @@ gh_status results_resume(gh_results *r, int frames);
 
 /* columns.c */
 extern const gh_term results_timing_columns[], results_convergence_columns[], results_grain_columns[],
-    results_grain_friction[], results_contact_columns[], results_contact_friction[],
+    results_grain_friction[], results_grain_frame[], results_contact_columns[], results_contact_friction[],
     results_history_columns[];
 
 /* xdmf.c */

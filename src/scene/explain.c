@@ -85,14 +85,22 @@ static void explain_micro(const gh_scene *s, gh_text *out) {
       [GH_RESTRICTED] = "grains at the boundary follow F, inner grains are relaxed; tangent by condensation "
                         "of the inner grains",
       [GH_PERIODIC] = "the cell follows F, all its grains are relaxed; tangent by condensation of all grains "
-                      "onto the cell"};
+                      "onto the cell",
+      [GH_DISPLACEMENT] = "grains on the frame follow F, all others are relaxed; tangent by condensation",
+      [GH_FRAME_PERIODIC] =
+          "opposite edges of the frame move alike: all grains of the periodic cell are relaxed",
+      [GH_TRACTION] =
+          "uniform traction on the frame, which F holds in the mean; all grains are relaxed; tangent by "
+          "condensation, with the constraint as a border of the matrix",
+      [GH_MIXED] = "each pair of edges of the frame by itself; tangent by condensation"};
   static const char *const ways[] = {[GH_RELAX_POLISHED] = "central differences, then Newton",
                                      [GH_RELAX_DAMPED] = "damped: central differences alone, without Newton",
                                      [GH_RELAX_FIRE] = "fire: FIRE alone, without Newton"};
-  bool relaxes = s->micro.boundary == GH_RESTRICTED || s->micro.boundary == GH_PERIODIC;
+  bool relaxes = s->micro.boundary != GH_TAYLOR && s->micro.boundary != GH_TAYLOR_CELL;
+  char boundary[GH_MIXED_TEXT];
+  gh_boundary_text(&s->micro, boundary);
   explain_packings(s, out);
-  gh_text_print(out, "boundary          %s: %s\n", gh_boundary_name(s->micro.boundary),
-                meaning[s->micro.boundary]);
+  gh_text_print(out, "boundary          %s: %s\n", boundary, meaning[s->micro.boundary]);
   bool turns = s->micro.law.friction && !s->micro.law.fixed_rotations;
   gh_text_print(out, "engine            %s%s\n", s->micro.engine == GH_ENGINE_NATIVE ? "native" : "lammps",
                 relaxes ? ""

@@ -50,7 +50,11 @@ const gh_term scene_contact_keys[] = {
     {0}};
 
 const gh_term scene_micro_keys[] = {
-    {"boundary", "`taylor`, `taylor-cell`, `restricted` or `periodic` (default)"},
+    {"boundary", "`taylor`, `taylor-cell`, `restricted`, `periodic` (default); on a frame of boundary grains "
+                 "`displacement`, `frame-periodic`, `traction`, `mixed`"},
+    {"mixed",
+     "with `boundary: mixed`: `x=traction,y=displacement`, for the edges that the first (x) and second (y) "
+     "lattice vector lead to; of `displacement`, `periodic`, `traction`"},
     {"tolerance",
      "largest unbalanced force on a free grain (or moment over radius) over the mean normal contact "
      "force; above 0, below 1, default 1e-8"},

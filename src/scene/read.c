@@ -118,6 +118,19 @@ static gh_status read_contact(gh_scene *s, node root) {
   return read_tangential(law, contact);
 }
 
+static gh_status read_mixed(gh_scene *s, node micro) {
+  node n = gh_yaml_get(micro, "mixed");
+  const char *text;
+  if (gh_yaml_has(n) != (s->micro.boundary == GH_MIXED))
+    return gh_yaml_has(n) ? gh_yaml_fail(n, "mixed needs boundary: mixed")
+                          : gh_yaml_fail(gh_yaml_get(micro, "boundary"),
+                                         "boundary mixed needs the key mixed, as x=traction,y=displacement");
+  if (!gh_yaml_has(n)) return GH_OK;
+  GH_TRY(gh_yaml_text(n, "mixed", &text));
+  if (gh_mixed_read(s->ctx, text, s->micro.mixed) == GH_OK) return GH_OK;
+  return gh_prefix(s->ctx, GH_INPUT, "%s:%d: ", gh_yaml_path(n), gh_yaml_line(n));
+}
+
 static gh_status read_micro(gh_scene *s, node root) {
   node micro = gh_yaml_get(root, "micro"), n;
   if (!gh_yaml_has(micro)) return GH_OK;
@@ -126,8 +139,9 @@ static gh_status read_micro(gh_scene *s, node root) {
   if (gh_yaml_has(n = gh_yaml_get(micro, "boundary"))) {
     GH_TRY(gh_yaml_text(n, "boundary", &word));
     if (!gh_boundary_from_name(word, &s->micro.boundary))
-      return gh_yaml_fail(n, "boundary '%s' is none of taylor, taylor-cell, restricted, periodic", word);
+      return gh_yaml_fail(n, "boundary '%s' is none of %s", word, gh_boundary_words());
   }
+  GH_TRY(read_mixed(s, micro));
   if (gh_yaml_has(n = gh_yaml_get(micro, "engine"))) {
     GH_TRY(gh_yaml_text(n, "engine", &word));
     if (strcmp(word, "lammps") != 0 && strcmp(word, "native") != 0)
@@ -346,7 +360,12 @@ static gh_status read_root(gh_scene *s, node root, const char *folder) {
   s->gravity_line = gh_yaml_line(gravity);
   GH_TRY(scene_read_steps(s, root));
   GH_TRY(scene_read_results(s, root));
-  return scene_read_packings(s, root, folder);
+  GH_TRY(scene_read_packings(s, root, folder));
+  for (int k = 0; k < s->npackings; k++) {
+    const gh_status status = gh_rve_check_packing(s->ctx, s->packings[k], &s->micro);
+    if (status != GH_OK) return gh_prefix(s->ctx, status, "%s: ", s->packing_paths[k]);
+  }
+  return GH_OK;
 }
 
 gh_status gh_scene_read_material(node root, gh_context *ctx, gh_rve_options *rve) {

@@ -41,7 +41,9 @@ static void add_options(gh_json root, const gh_scene *s, const gh_farm *farm) {
   static const char *const starts[] = {"none", "confinement", "balance"};
   gh_json o = gh_json_group(root, "options"), micro = gh_json_group(o, "micro"),
           solver = gh_json_group(o, "solver"), start = gh_json_group(o, "start");
-  gh_json_text(micro, "boundary", gh_boundary_name(s->micro.boundary));
+  char boundary[GH_MIXED_TEXT];
+  gh_boundary_text(&s->micro, boundary);
+  gh_json_text(micro, "boundary", boundary);
   gh_json_text(micro, "engine", s->micro.engine == GH_ENGINE_NATIVE ? "native" : "lammps");
   gh_json_number(micro, "normal_stiffness", s->micro.law.normal_stiffness);
   gh_json_text(micro, "relaxation", gh_relaxation_name(s->micro.relaxation));

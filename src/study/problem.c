@@ -267,6 +267,8 @@ static gh_status read_rve(gh_context *ctx, const gh_study *s, gh_yaml *doc, cons
   p->rve.engine = GH_ENGINE_LAMMPS;
   GH_TRY(gh_scene_read_material(rve, ctx, &p->rve));
   GH_TRY(gh_packing_read(ctx, w->packing, &p->packing));
+  const gh_status status = gh_rve_check_packing(ctx, p->packing, &p->rve);
+  if (status != GH_OK) return gh_prefix(ctx, status, "%s: ", w->packing);
   return check_path(ctx, path, p);
 }
 

@@ -166,7 +166,7 @@ o="-o out.csv --tangent tan.csv --dump a.dump${states:+ --save-state s.h5}"
   refused "no path" "--path is missing" $p $o
   refused "unknown option" "unknown option --boundery" $p --path ../path.csv --boundery taylor $o
   refused "option without value" "--path needs a value" $p $o --path
-  refused "unknown boundary condition" 'not "traction"' $p --path ../path.csv --boundary traction $o
+  refused "unknown boundary condition" 'not "tractions"' $p --path ../path.csv --boundary tractions $o
   refused "unknown engine" 'not "yade"' $p --path ../path.csv --engine yade $o
   refused "unknown relaxation" '--relaxation must be polished, damped or fire, not "newton"' $p --path ../path.csv --relaxation newton $o
   for value in 0 -5 nan inf 1e999 abc 50x ""; do

@@ -20,7 +20,7 @@ static void boundary_names(void **state) {
   }
   gh_boundary b;
   assert_false(gh_boundary_from_name("Taylor", &b) || gh_boundary_from_name("", &b) ||
-               gh_boundary_from_name("traction", &b));
+               gh_boundary_from_name("tractions", &b));
 }
 
 /* Options out of range are refused, with the value. */

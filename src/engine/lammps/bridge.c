@@ -26,11 +26,14 @@ static void bridge_destroy(void *self) {
                           e->theta_n,  e->theta, e->frame_n,  e->moment, e->slips,    e->keyed,
                           e->friction, e->image, e->velocity, e->spin};
   for (size_t k = 0; k < sizeof arrays / sizeof *arrays; k++) free(arrays[k]);
+  gh_relax_frame_free(&e->frame);
+  free(e->turned);
   free(e);
 }
 
-static gh_status allocate(gh_context *ctx, bridge *e) {
+static gh_status allocate(gh_context *ctx, const gh_engine_setup *setup, bridge *e) {
   size_t n = (size_t)e->n, d = sizeof(double);
+  GH_TRY(gh_relax_frame_make(ctx, setup, &e->frame));
   GH_TRY(gh_alloc(ctx, n, 1, &e->held));
   GH_TRY(gh_alloc(ctx, 2 * n, d, &e->given));
   GH_TRY(gh_alloc(ctx, 2 * n, d, &e->x));
@@ -157,7 +160,7 @@ static gh_status bridge_create(gh_context *ctx, const gh_engine_setup *setup, vo
   gh_status status;
   GH_TRY(gh_alloc(ctx, 1, sizeof *e, &e));
   *e = (bridge){.ctx = ctx, .n = setup->n, .periodic = setup->periodic, .law = setup->law, .q = {1, 0, 0, 1}};
-  GH_TRY_OR(allocate(ctx, e), failed);
+  GH_TRY_OR(allocate(ctx, setup, e), failed);
   GH_TRY_OR(take_setup(e, setup, &types), failed);
   GH_TRY_OR(guard_open(ctx, &e->lmp), failed);
   GH_TRY_OR(make_box(e, types), failed);
@@ -209,11 +212,18 @@ static gh_status bridge_move(void *self, const double *x, const double *theta) {
   return status;
 }
 
+static gh_status bridge_load(void *self, const double *force, const double *moment) {
+  bridge *e = self;
+  if (force && !e->turned) GH_TRY(gh_alloc(e->ctx, 2 * (size_t)e->n, sizeof(double), &e->turned));
+  return gh_relax_frame_load(e->ctx, e->n, force, moment, &e->frame);
+}
+
 static gh_status relax(bridge *e, const gh_relax_options *o, gh_relax_result *r) {
   guard_relaxed end;
+  gh_relax_frame frame;
   GH_TRY(bridge_check_valid(e));
   e->valid = e->started = false;
-  GH_TRY(bridge_blame(e, guard_relax(e->ctx, e->lmp, FIX, o, &end)));
+  GH_TRY(bridge_blame(e, guard_relax(e->ctx, e->lmp, FIX, o, bridge_frame(e, &frame) ? &frame : NULL, &end)));
   e->valid = e->started = e->relaxed = true;
   *r = (gh_relax_result){end.residual, end.mean_force, end.steps, end.converged, end.least_damping};
   e->cost.steps += r->steps;
@@ -269,6 +279,7 @@ const gh_engine_ops gh_lammps_ops = {.name = "lammps",
                                      .begin = bridge_begin,
                                      .set = bridge_set,
                                      .move = bridge_move,
+                                     .load = bridge_load,
                                      .relax = bridge_relax,
                                      .ramp = bridge_ramp,
                                      .contacts = bridge_contacts,

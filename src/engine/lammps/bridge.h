@@ -26,13 +26,15 @@ typedef struct bridge {
   double cell[4], q[4], t[4];
   int lattice_shift; /* multiples of the first lattice vector taken off the second */
   unsigned char *held;
-  double *given;      /* n x 2: positions as set or moved */
-  double *x;          /* n x 2: positions now */
-  double *force;      /* n x 2 */
-  double *radius;     /* n */
-  int *type;          /* n */
-  double *wrap;       /* n x 2: lattice vectors of t taken off before LAMMPS saw the grain */
-  int *order, *first; /* scratch: rows by grain */
+  gh_relax_frame frame; /* external forces in the frame of space */
+  double *turned;       /* n x 2: the same in LAMMPS's; NULL: there are none */
+  double *given;        /* n x 2: positions as set or moved */
+  double *x;            /* n x 2: positions now */
+  double *force;        /* n x 2 */
+  double *radius;       /* n */
+  int *type;            /* n */
+  double *wrap;         /* n x 2: lattice vectors of t taken off before LAMMPS saw the grain */
+  int *order, *first;   /* scratch: rows by grain */
   double *shift;
   gh_contact *contacts;
   /* with friction only */
@@ -73,6 +75,8 @@ void bridge_image_as_given(const bridge *e, int i, int j, const int k[2], int im
 void bridge_image_of_lammps(const bridge *e, int i, int j, const int image[2], int k[2]);
 /* Lattice of n in the frame and the basis of the present cell. */
 void bridge_lattice_n(const bridge *e, double H[4]);
+/* For relaxation in LAMMPS's frame; false: nothing is to be heeded. */
+bool bridge_frame(bridge *e, gh_relax_frame *frame);
 gh_status bridge_check_valid(const bridge *e);
 /* Where a contact has no direction, what the packing has come to is at fault, not LAMMPS. */
 gh_status bridge_blame(const bridge *e, gh_status s);

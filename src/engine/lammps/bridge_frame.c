@@ -71,6 +71,15 @@ void bridge_lattice_n(const bridge *e, double H[4]) {
   memcpy(H, (double[4]){a[0], b[0], a[1], b[1]}, 4 * sizeof *H);
 }
 
+bool bridge_frame(bridge *e, gh_relax_frame *frame) {
+  if (!gh_relax_frame_used(&e->frame)) return false;
+  *frame = e->frame; /* areas are columns of a sum: they stay as the positions turn */
+  for (int i = 0; i < e->n && e->frame.force; i++)
+    bridge_transpose_apply(e->q, &e->frame.force[2 * i], &e->turned[2 * i]);
+  if (e->frame.force) frame->force = e->turned;
+  return true;
+}
+
 gh_status bridge_check_valid(const bridge *e) {
   if (e->valid) return GH_OK;
   return gh_fail(e->ctx, GH_ENGINE,

@@ -88,6 +88,8 @@ static gh_status ramp_follow(bridge *e, const gh_relax_ramp *ramp, const double 
 static gh_status ramp_on_list(bridge *e, const gh_ramp *o, const double from[4], gh_relax_friction *f,
                               gh_relax_result *r, gh_relax_end *end) {
   guard_ramped list;
+  gh_relax_frame frame;
+  f->grains.frame = bridge_frame(e, &frame) ? &frame : NULL;
   gradient_turn(e, o->to, f->ramp->to);
   for (int i = 0; i < e->n && f->grains.started; i++)
     bridge_transpose_apply(e->q, &e->velocity[2 * i], &e->velocity[2 * i]);

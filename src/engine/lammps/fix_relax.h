@@ -45,7 +45,7 @@ public:
   void set_cell(double lx, double ly, double xy);
   void rebuild_next();
   /* The next steps relax, until finished(). */
-  void relax_next(const gh_relax_options &o);
+  void relax_next(const gh_relax_options &o, const gh_relax_frame *frame);
   bool finished() const { return ended != RUNNING; }
   void idle() { active = false; }
   int group_bit() const { return groupbit; }
@@ -72,12 +72,13 @@ private:
   bool turns;           /* grains rotate */
 
   state ended;
-  bool fresh;             /* the next step begins a new relaxation */
-  double damping;         /* of the kernel's last step, carried from list to list */
-  gh_fire fire;           /* the same, of FIRE */
-  gh_relax_watch watched; /* the same, with friction */
-  double first_least;     /* least damping to begin with */
-  long patience;          /* gh_relax_options */
+  bool fresh;                            /* the next step begins a new relaxation */
+  double damping;                        /* of the kernel's last step, carried from list to list */
+  gh_fire fire;                          /* the same, of FIRE */
+  gh_relax_watch watched;                /* the same, with friction */
+  const gh_relax_frame *frame = nullptr; /* of the next steps; a program's own */
+  double first_least;                    /* least damping to begin with */
+  long patience;                         /* gh_relax_options */
   double residual, mean_force;
   long steps, rebuilds, builds_at_start;
   long evaluated, listed, listed_at; /* pairs; listed: of the list number listed_at */

@@ -93,7 +93,8 @@ void FixRelax::rebuild_next() {
   next_reneighbor = update->ntimestep + 1;
 }
 
-void FixRelax::relax_next(const gh_relax_options &o) {
+void FixRelax::relax_next(const gh_relax_options &o, const gh_relax_frame *with) {
+  frame = with;
   tolerance = o.tolerance;
   floor_force = o.floor;
   max_steps = o.max_steps;

@@ -223,6 +223,7 @@ void FixRelax::run_kernel() {
   s.pairs = pairs.data();
   s.x = X.data(), s.v = V.data(), s.f = F.data(), s.x0 = X0.data();
   s.slack = neighbor->skin / 2;
+  s.frame = frame;
   s.started = steps > 0;
   s.damping = damping;
   s.fire = fire;

@@ -295,9 +295,9 @@ gh_status guard_advance(gh_context *ctx, void *lmp, const char *id) {
 }
 
 gh_status guard_relax(gh_context *ctx, void *lmp, const char *id, const gh_relax_options *o,
-                      guard_relaxed *r) {
+                      const gh_relax_frame *frame, guard_relaxed *r) {
   return with_fix(ctx, lmp, id, [&](granhom::FixRelax *fix) {
-    fix->relax_next(*o);
+    fix->relax_next(*o, frame);
     while (!fix->finished()) fix->advance();
     fix->idle();
     fix->tell(r);

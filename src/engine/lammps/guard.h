@@ -51,9 +51,10 @@ typedef struct guard_relaxed {
   bool converged;    /* or unjammed */
   double least_damping;
 } guard_relaxed;
-/* Relaxes until the residual is met, or the steps or all contacts are gone (gh_relax_options). */
+/* Relaxes until the residual is met, or the steps or all contacts are gone (gh_relax_options). frame: arrays by
+ * id - 1, in LAMMPS's frame; NULL: none. */
 gh_status guard_relax(gh_context *ctx, void *lmp, const char *id, const gh_relax_options *options,
-                      guard_relaxed *result);
+                      const gh_relax_frame *frame, guard_relaxed *result);
 typedef struct guard_ramped {
   gh_relax_end end;
   long pairs;           /* evaluated, summed over the steps */

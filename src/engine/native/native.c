@@ -18,6 +18,7 @@ typedef struct native {
   double skin, cell[4];
   double *radius, *x, *x0, *v, *f, *work;
   unsigned char *held;
+  gh_relax_frame frame;
   gh_neighbours nb;
   gh_contact *contacts;
   size_t contact_capacity, work_capacity;
@@ -36,13 +37,14 @@ static void native_destroy(void *self) {
   gh_history_free(&e->history);
   double *const arrays[] = {e->radius, e->x, e->x0, e->v, e->f, e->work, e->theta, e->w, e->m};
   for (size_t k = 0; k < sizeof arrays / sizeof *arrays; k++) free(arrays[k]);
+  gh_relax_frame_free(&e->frame);
   free(e->held);
   free(e->contacts);
   free(e->friction);
   free(e);
 }
 
-static gh_status allocate(gh_context *ctx, native *e) {
+static gh_status allocate(gh_context *ctx, const gh_engine_setup *setup, native *e) {
   size_t n = (size_t)e->n, d = sizeof(double);
   GH_TRY(gh_alloc(ctx, n, d, &e->radius));
   GH_TRY(gh_alloc(ctx, 2 * n, d, &e->x));
@@ -56,6 +58,7 @@ static gh_status allocate(gh_context *ctx, native *e) {
     GH_TRY(gh_history_alloc(ctx, &e->history, e->n));
     GH_TRY(gh_grow(ctx, 1, sizeof(gh_friction), &e->friction_capacity, &e->friction)); /* never NULL */
   }
+  GH_TRY(gh_relax_frame_make(ctx, setup, &e->frame));
   return gh_alloc(ctx, n, 1, &e->held);
 }
 
@@ -64,7 +67,7 @@ static gh_status native_create(gh_context *ctx, const gh_engine_setup *setup, vo
   GH_TRY(gh_alloc(ctx, 1, sizeof *e, &e));
   *e = (native){.ctx = ctx, .n = setup->n, .periodic = setup->periodic, .law = setup->law};
   e->nb.with_images = setup->law.friction != 0;
-  gh_status status = allocate(ctx, e);
+  gh_status status = allocate(ctx, setup, e);
   if (status != GH_OK) {
     native_destroy(e);
     return status;
@@ -154,7 +157,8 @@ static gh_relax_state native_grains(native *e) {
                           .v = e->v,
                           .f = e->f,
                           .x0 = e->x0,
-                          .slack = e->skin / 2};
+                          .slack = e->skin / 2,
+                          .frame = gh_relax_frame_used(&e->frame)};
 }
 
 static gh_relax_friction native_rotating(native *e) {
@@ -174,6 +178,11 @@ static void native_end(native *e, gh_relax_end end, const gh_relax_friction *f, 
   r->least_damping = f->watch.least;
   e->cost.steps += r->steps;
   e->cost.relax_seconds += gh_seconds() - start;
+}
+
+static gh_status native_load(void *self, const double *force, const double *moment) {
+  native *e = self;
+  return gh_relax_frame_load(e->ctx, e->n, force, moment, &e->frame);
 }
 
 static gh_status native_relax(void *self, const gh_relax_options *o, gh_relax_result *r) {
@@ -336,6 +345,7 @@ const gh_engine_ops gh_native_ops = {.name = "native",
                                      .begin = native_begin,
                                      .set = native_set,
                                      .move = native_move,
+                                     .load = native_load,
                                      .relax = native_relax,
                                      .ramp = native_ramp,
                                      .contacts = native_contacts,

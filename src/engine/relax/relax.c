@@ -77,8 +77,12 @@ double gh_relax_largest(int n, const unsigned char *held, const double *f, const
 
 double gh_relax_forces(gh_relax_state *s, double *mean_force) {
   const parts w = divide(s);
-  pair_forces(w.i, w.j, (size_t)s->npairs, s->stiffness, w.given, s->x, w.pair);
+  const size_t n = (size_t)s->npairs;
+  pair_forces(w.i, w.j, n, s->stiffness, w.given, s->x, w.pair);
+  if (s->frame)
+    gh_frame_weigh(s->frame, n, w.i, w.j, 2, (double *const[]){w.pair + FORCE_X * n, w.pair + FORCE_Y * n});
   *mean_force = s->stiffness * gather(s, &w);
+  if (s->frame) gh_frame_act(s->frame, s->n, NULL, s->f, NULL);
   double largest = 0, all = 0;
   for (int i = 0; i < s->n; i++) {
     const double f2 = s->f[2 * i] * s->f[2 * i] + s->f[2 * i + 1] * s->f[2 * i + 1];
@@ -127,11 +131,23 @@ double gh_relax_safe_step(const gh_relax_state *s) {
   return gh_relax_time_step(bound);
 }
 
+/* A constraint that ties grains to each other is kept if all are slowed down alike. */
+static double move_slow_down(const gh_relax_state *s, double a, double b, double fastest) {
+  double most = 0;
+  if (!s->frame || !s->frame->area) return 1;
+  for (int i = 0; i < s->n; i++) {
+    if (s->held && s->held[i]) continue;
+    most = fmax(most, hypot(a * s->v[2 * i] + b * s->f[2 * i], a * s->v[2 * i + 1] + b * s->f[2 * i + 1]));
+  }
+  return most >= fastest ? 0.999 * fastest / most : 1;
+}
+
 double gh_relax_move(gh_relax_state *s, double a, double b, double dt) {
   const double fastest = 0.9 * s->slack / dt; /* so that round-off does not decide when the list is rebuilt */
+  const double all = move_slow_down(s, a, b, fastest);
   double far = 0;
   for (int i = 0; i < s->n; i++) {
-    const double free = s->held && s->held[i] ? 0 : 1;
+    const double free = s->held && s->held[i] ? 0 : all;
     double *v = s->v + 2 * i, *x = s->x + 2 * i, r2 = 0, v2 = 0;
     for (int k = 0; k < 2; k++) {
       v[k] = free * (a * v[k] + b * s->f[2 * i + k]);

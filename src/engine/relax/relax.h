@@ -4,6 +4,8 @@
 #ifndef GRANHOM_ENGINE_RELAX_H
 #define GRANHOM_ENGINE_RELAX_H
 
+#include "engine/relax/relax_frame.h"
+
 #include <stddef.h>
 
 #ifdef __cplusplus
@@ -39,7 +41,8 @@ typedef struct gh_relax_state {
                 */
   double damping; /* of the last step; 0 at the start; carried from list to list like `started` */
   gh_fire fire;   /* gh_relax_fire alone */
-  double *work;   /* gh_relax_work(n, npairs) doubles, any content */
+  const gh_relax_frame *frame; /* NULL: none */
+  double *work;                /* gh_relax_work(n, npairs) doubles, any content */
 } gh_relax_state;
 
 /* Doubles of work space. */

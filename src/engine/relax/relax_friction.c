@@ -115,6 +115,14 @@ static void ramp_commit(gh_relax_friction *s, const gh_friction_parts *w) {
   if (!s->law->fixed_rotations) memcpy(s->theta_n, s->theta, (size_t)s->grains.n * sizeof(double));
 }
 
+/* What is dissipated is known on a ramp alone. */
+static void frame_weigh(const gh_relax_friction *s, const gh_friction_parts *w) {
+  const size_t n = (size_t)s->grains.npairs;
+  double *const values[] = {w->pair + FORCE_X * n, w->pair + FORCE_Y * n, w->pair + COUPLE * n,
+                            w->pair + DISSIPATED * n};
+  gh_frame_weigh(s->grains.frame, n, w->i, w->j, s->ramp ? 4 : 3, values);
+}
+
 /* The moment over the radius is the sum of the couples: m = -r sum M. */
 double gh_friction_forces(gh_relax_friction *s, const gh_friction_parts *w, double *mean_force) {
   const gh_relax_state *g = &s->grains;
@@ -122,8 +130,10 @@ double gh_friction_forces(gh_relax_friction *s, const gh_friction_parts *w, doub
   for (int i = 0; i < g->n; i++) w->rolled[i] = turns ? s->radius[i] * (s->theta[i] - s->theta_n[i]) : 0;
   if (s->law->slip == GH_SLIP_OBJECTIVE) (s->ramp ? objective_commit : objective_forces)(s, w);
   else (s->ramp ? projected_commit : projected_forces)(s, w);
+  if (g->frame) frame_weigh(s, w);
   if (s->ramp) ramp_commit(s, w);
   *mean_force = s->law->normal_stiffness * gather(s, w);
+  if (g->frame) gh_frame_act(g->frame, g->n, s->radius, g->f, w->couple);
   double largest = 0, all = 0;
   for (int i = 0; i < g->n; i++) {
     const double f2 = g->f[2 * i] * g->f[2 * i] + g->f[2 * i + 1] * g->f[2 * i + 1],

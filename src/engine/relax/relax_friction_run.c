@@ -166,6 +166,7 @@ static void creep_on(gh_relax_friction *s, const gh_friction_parts *w, double re
   for (size_t i = 0; i < n; i++) {
     const double d[2] = {g->x[2 * i] - w->crept[2 * i], g->x[2 * i + 1] - w->crept[2 * i + 1]};
     if (hypot(d[0], d[1]) < CREEP_SHARE * longest || (g->held && g->held[i])) continue;
+    if (g->frame && g->frame->edges && g->frame->edges[i]) continue; /* it is tied to others */
     g->x[2 * i] += times * d[0], g->x[2 * i + 1] += times * d[1];
     if (!s->law->fixed_rotations) s->theta[i] += times * (s->theta[i] - w->crept[2 * n + i]);
   }
