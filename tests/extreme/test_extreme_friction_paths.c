@@ -99,6 +99,56 @@ static void reversals(void **state) {
   gh_packing_destroy(&p);
 }
 
+/* Drift of the stress over so many cycles of shear by `amplitude` p/E and back, a ramp each way, over the pressure:
+ * since the third cycle, and in the last. */
+static void cycle_along_ramps(gh_context *ctx, const gh_packing *p, gh_boundary b, gh_contact_law law,
+                              double amplitude, int cycles, double drift[2]) {
+  gh_rve_options o = rve_options(GH_ENGINE_NATIVE, b, law.normal_stiffness, 1e-10);
+  gh_rve *rve;
+  double P[4], third[4] = {0}, last[4];
+  int ramps = 0;
+  o.law = law;
+  OK(gh_rve_create(ctx, p, &o, &rve));
+  step(ctx, rve, I, P, NULL);
+  const double pressure = -(P[0] + P[3]) / 2, strain = pressure / law.normal_stiffness;
+  for (int k = 0; k < cycles; k++) {
+    memcpy(last, P, sizeof P);
+    for (int back = 0; back < 2; back++) {
+      step(ctx, rve, (double[4]){1, back ? 0 : amplitude * strain, 0, 1}, P, NULL);
+      ramps += gh_rve_measure(rve)->ramps;
+      assert_int_equal(gh_rve_measure(rve)->settled, 0);
+    }
+    if (k == 2) memcpy(third, P, sizeof P);
+  }
+  assert_true(ramps == 2 * cycles);
+  drift[0] = distance(P, third, 4) / pressure;
+  drift[1] = distance(P, last, 4) / pressure;
+  gh_rve_destroy(&rve);
+}
+
+/* Each way the shear stress changes by 5 to 19 % of the pressure: all reversals together move less than that. */
+static void reversals_along_ramps(void **state) {
+  gh_context *ctx = *state;
+  gh_packing *p = case_packing(ctx, "p20");
+  const int cycles = full_size() ? 5000 : 60;
+  const gh_contact_law rough = {
+      .normal_stiffness = 1, .friction = 1, .tangential_stiffness = 0.2, .friction_coefficient = 0.5};
+  double total = 0, last = 0;
+  for (int k = 0; k < 8; k++) {
+    double drift[2];
+    cycle_along_ramps(ctx, p, k & 1 ? GH_PERIODIC : GH_RESTRICTED, k & 2 ? rough : law_of(1, 20, 0),
+                      k & 4 ? 0.5 : 1.2, cycles, drift);
+    WITHIN(&total, "drift", drift[0], full_size() ? 0.06 : 0.02);
+    WITHIN(&last, "drift of the last cycle", drift[1], full_size() ? 2e-5 : 1e-4);
+  }
+  row(section,
+      full_size() ? "1e4 reversals of a shear of 0.5 and 1.2 p/E, a ramp each way"
+                  : "120 reversals of a shear of 0.5 and 1.2 p/E, a ramp each way",
+      "the stress returns", "converged; it has drifted by %.0e of the pressure, by %.0e in the last cycle",
+      total, last);
+  gh_packing_destroy(&p);
+}
+
 /* To F in halves, quarters, ... where an increment has no equilibrium, as `granhom rve` does it. */
 static gh_status go_to(gh_rve *rve, const double F[4], int cuts, double P[4], int *parts) {
   gh_status status = gh_rve_evaluate(rve, F, 0, P, NULL);
@@ -273,8 +323,9 @@ static void nan_never_comes_out(void **state) {
 }
 
 int main(void) {
-  const struct CMUnitTest tests[] = {TEST(two_turns),          TEST(reversals),       TEST(shear_to_two),
-                                     TEST(apart_and_together), TEST(tiny_increments), TEST(large_increments),
-                                     TEST(nan_never_comes_out)};
+  const struct CMUnitTest tests[] = {
+      TEST(two_turns),        TEST(reversals),          TEST(reversals_along_ramps),
+      TEST(shear_to_two),     TEST(apart_and_together), TEST(tiny_increments),
+      TEST(large_increments), TEST(nan_never_comes_out)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -40,66 +40,73 @@ void gh_friction_lay_out(const gh_relax_friction *s, const gh_friction_parts *w)
   }
 }
 
-/* Forces, couples and overlaps of all pairs, without branches so that it vectorises; inlined for one measure
- * of slip at a time, with and without commit. A grain's own image exerts no net force. */
+/* Force, couple and overlap of pair p, without branches so that loops vectorise; inlined for one measure of slip at
+ * a time, with and without commit. A grain's own image exerts no net force. */
 __attribute__((always_inline)) static inline void
-pair_forces(const int *restrict first, const int *restrict second, size_t n, const gh_contact_law law,
-            bool commits, double *restrict given, const double *restrict x, const double *restrict rolled,
-            double *restrict out) {
+pair_force(size_t p, size_t n, const int *restrict first, const int *restrict second,
+           const gh_contact_law *law, bool commits, double *restrict given, const double *restrict x,
+           const double *restrict rolled, double *restrict out) {
+  const int i = first[p], j = second[p];
+  const double lx = x[2 * j] - x[2 * i] + given[SHIFT_X * n + p],
+               ly = x[2 * j + 1] - x[2 * i + 1] + given[SHIFT_Y * n + p];
+  const gh_coulomb_step s = {.l = {lx, ly},
+                             .d = sqrt(lx * lx + ly * ly),
+                             .reach = given[REACH * n + p],
+                             .ln = {given[LN_X * n + p], given[LN_Y * n + p]},
+                             .q = rolled[i] + rolled[j],
+                             .gamma = given[GAMMA * n + p],
+                             .gamma_pl = given[GAMMA_PL * n + p],
+                             .alpha = given[ALPHA * n + p]};
+  gh_coulomb_result r;
+  gh_coulomb_evaluate(law, &s, &r);
+  const double e = s.reach - s.d, touch = e >= 0 ? 1 : 0, net = i != j ? touch : 0;
+  out[FORCE_X * n + p] = net * r.f[0];
+  out[FORCE_Y * n + p] = net * r.f[1];
+  out[COUPLE * n + p] = touch * r.couple;
+  out[OVERLAP * n + p] = e;
+  if (!commits) return;
+  out[DISSIPATED * n + p] =
+      touch * r.multiplier * law->normal_stiffness * gh_coulomb_coefficient(law, r.alpha) * e;
+  given[LN_X * n + p] = lx;
+  given[LN_Y * n + p] = ly;
+  given[GAMMA * n + p] = touch * r.gamma; /* a contact that opens loses its slip, not its hardening */
+  given[GAMMA_PL * n + p] = touch * r.gamma_pl;
+  given[ALPHA * n + p] = e >= 0 ? r.alpha : s.alpha;
+}
+
+/* One loop for each measure of slip, with and without commit, so that they are constants in it. */
+__attribute__((always_inline)) static inline void projected_pairs(const gh_relax_friction *s,
+                                                                  const gh_friction_parts *w, bool commits) {
+  const size_t n = (size_t)s->grains.npairs;
+  const int *const i = w->i, *const j = w->j;
+  const double *const x = s->grains.x, *const rolled = w->rolled;
+  double *const given = w->given, *const out = w->pair;
+  gh_contact_law law = *s->law;
+  law.slip = GH_SLIP_PROJECTED;
 #pragma omp simd
-  for (size_t p = 0; p < n; p++) {
-    const int i = first[p], j = second[p];
-    const double lx = x[2 * j] - x[2 * i] + given[SHIFT_X * n + p],
-                 ly = x[2 * j + 1] - x[2 * i + 1] + given[SHIFT_Y * n + p];
-    const gh_coulomb_step s = {.l = {lx, ly},
-                               .d = sqrt(lx * lx + ly * ly),
-                               .reach = given[REACH * n + p],
-                               .ln = {given[LN_X * n + p], given[LN_Y * n + p]},
-                               .q = rolled[i] + rolled[j],
-                               .gamma = given[GAMMA * n + p],
-                               .gamma_pl = given[GAMMA_PL * n + p],
-                               .alpha = given[ALPHA * n + p]};
-    gh_coulomb_result r;
-    gh_coulomb_evaluate(&law, &s, &r);
-    const double e = s.reach - s.d, touch = e >= 0 ? 1 : 0, net = i != j ? touch : 0;
-    out[FORCE_X * n + p] = net * r.f[0];
-    out[FORCE_Y * n + p] = net * r.f[1];
-    out[COUPLE * n + p] = touch * r.couple;
-    out[OVERLAP * n + p] = e;
-    if (!commits) continue;
-    out[DISSIPATED * n + p] =
-        touch * r.multiplier * law.normal_stiffness * gh_coulomb_coefficient(&law, r.alpha) * e;
-    given[LN_X * n + p] = lx;
-    given[LN_Y * n + p] = ly;
-    given[GAMMA * n + p] = touch * r.gamma; /* a contact that opens loses its slip, not its hardening */
-    given[GAMMA_PL * n + p] = touch * r.gamma_pl;
-    given[ALPHA * n + p] = e >= 0 ? r.alpha : s.alpha;
-  }
+  for (size_t p = 0; p < n; p++) pair_force(p, n, i, j, &law, commits, given, x, rolled, out);
 }
-
-/* One loop for each, so that the measure of slip and the commit are constants in it. */
 static void projected_forces(const gh_relax_friction *s, const gh_friction_parts *w) {
-  gh_contact_law law = *s->law;
-  law.slip = GH_SLIP_PROJECTED;
-  pair_forces(w->i, w->j, (size_t)s->grains.npairs, law, false, w->given, s->grains.x, w->rolled, w->pair);
+  projected_pairs(s, w, false);
 }
-
 static void projected_commit(const gh_relax_friction *s, const gh_friction_parts *w) {
-  gh_contact_law law = *s->law;
-  law.slip = GH_SLIP_PROJECTED;
-  pair_forces(w->i, w->j, (size_t)s->grains.npairs, law, true, w->given, s->grains.x, w->rolled, w->pair);
+  projected_pairs(s, w, true);
 }
 
+/* Not vectorised: each pair has a call of atan2. */
+__attribute__((always_inline)) static inline void objective_pairs(const gh_relax_friction *s,
+                                                                  const gh_friction_parts *w, bool commits) {
+  const size_t n = (size_t)s->grains.npairs;
+  gh_contact_law law = *s->law;
+  law.slip = GH_SLIP_OBJECTIVE;
+  for (size_t p = 0; p < n; p++)
+    pair_force(p, n, w->i, w->j, &law, commits, w->given, s->grains.x, w->rolled, w->pair);
+}
 static void objective_forces(const gh_relax_friction *s, const gh_friction_parts *w) {
-  gh_contact_law law = *s->law;
-  law.slip = GH_SLIP_OBJECTIVE;
-  pair_forces(w->i, w->j, (size_t)s->grains.npairs, law, false, w->given, s->grains.x, w->rolled, w->pair);
+  objective_pairs(s, w, false);
 }
-
 static void objective_commit(const gh_relax_friction *s, const gh_friction_parts *w) {
-  gh_contact_law law = *s->law;
-  law.slip = GH_SLIP_OBJECTIVE;
-  pair_forces(w->i, w->j, (size_t)s->grains.npairs, law, true, w->given, s->grains.x, w->rolled, w->pair);
+  objective_pairs(s, w, true);
 }
 
 static double gather(const gh_relax_friction *s, const gh_friction_parts *w) {
