@@ -33,8 +33,8 @@ typedef struct job {
   path_rows path;
   gh_rve *rve, *whole; /* whole: a second path, in whole rows; NULL without an estimate of the error */
   rve_error error;
-  rve_doubts doubts; /* of the increment under way */
-  int ramps;         /* the same */
+  rve_doubts doubts;         /* of the increment under way */
+  int ramps, events, newton; /* the same: how its equilibria were found */
   gh_text *out, *tangent, *dump;
   double written; /* when the files were last written */
   int rows;       /* complete */
@@ -79,8 +79,10 @@ static void write_headers(job *j) {
   rve_table_header(j->out, &j->args->p.rve);
   if (j->args->p.rve.law.friction) {
     gh_text_print(j->out, ",");
-    gh_terms_header(j->out, columns_path, ",");
+    gh_terms_header(j->out, columns_ramp, ",");
   }
+  gh_text_print(j->out, ",");
+  gh_terms_header(j->out, columns_path, ",");
   gh_text_print(j->out, "\n");
   if (!j->tangent) return;
   gh_text_print(j->tangent, "step");
@@ -108,6 +110,7 @@ static gh_status write_row(job *j, long step, const double A[16]) {
   const gh_rve_measures *m = gh_rve_measure(j->rve);
   rve_table_row(j->out, step, m, m->seconds, &j->args->p.rve);
   if (j->args->p.rve.law.friction) gh_text_print(j->out, ",%d", j->ramps);
+  gh_text_print(j->out, ",%d,%d", j->events, j->newton);
   gh_text_print(j->out, "\n");
   if (j->tangent) {
     gh_text_print(j->tangent, "%ld", step);
@@ -120,7 +123,7 @@ static gh_status write_row(job *j, long step, const double A[16]) {
   else if (m->stress_free)
     gh_log(j->ctx, GH_LEVEL_INFO, "step %ld: unjammed, contact forces are round-off: no stress", step);
   rve_doubts_tell(j->ctx, &j->doubts, step);
-  j->ramps = 0;
+  j->ramps = j->events = j->newton = 0;
   if (m->regularised)
     gh_log(j->ctx, GH_LEVEL_WARNING, "step %ld: a mode without stiffness: the tangent is regularised", step);
   return j->dump ? write_frame(j, step) : GH_OK;
@@ -150,7 +153,7 @@ static void count_part(void *data, const gh_rve_measures *m) {
   job *j = data;
   gh_rve_balance_add(&j->error.balance, m);
   rve_doubts_add(&j->doubts, m);
-  j->ramps += m->ramps;
+  j->ramps += m->ramps, j->events += m->events, j->newton += m->newton;
 }
 
 /* The row on the path whose results are written. */

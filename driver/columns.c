@@ -35,8 +35,14 @@ const gh_term columns_frame[] = {
      "moments of the supports of the frame per reference area; 0 but for `displacement` with friction"},
     {0}};
 
-const gh_term columns_path[] = {
+const gh_term columns_ramp[] = {
     {"ramps", "ramps of the increment along which slip was integrated; 0: it counts from the last state"},
+    {0}};
+
+const gh_term columns_path[] = {
+    {"events", "parts in which Newton's iteration followed the increment, where not at once, or could not"},
+    {"newton", "equilibria that Newton's iteration found from the start, without relaxation: 1, or 0; more "
+               "where the increment was cut"},
     {0}};
 
 const gh_term columns_control[] = {

@@ -90,6 +90,7 @@ typedef struct gh_farm_counts {
                                                      factorisations, pair evaluations (gh_engine_cost) */
   long ramps;                                     /* with friction and free grains (gh_rve_measures) */
   long settled;                                   /* of these, to F itself */
+  long newton;                                    /* evaluations without relaxation (gh_rve_measures) */
   long accepted;                                  /* evaluations accepted unconverged (gh_rve_options) */
   long computed;                                  /* evaluations done, points that share counted once */
   long moved;                                     /* states that went from rank to rank */

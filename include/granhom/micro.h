@@ -111,7 +111,9 @@ typedef struct gh_rve_measures {
   int ramps;       /* of this evaluation (docs/explanation/method.md, "Ramps") */
   int settled;     /* the last ramp led to F itself: slip has no equilibrium over the last part */
   int accepted;    /* unconverged: by options.accept, or in gh_rve_reach */
-  int polished;    /* the residual was reached by the Newton finish */
+  int polished;    /* the residual was reached by Newton's iteration */
+  int newton;      /* ... from the start, without relaxation (docs/explanation/method.md, "Newton first") */
+  int events;      /* parts in which Newton's iteration followed F, or could not, where not at once */
   int unjammed;    /* no contact, or free grains without contact force: P = 0, A = 0 */
   int stress_free; /* unjammed, or the contact forces of free grains are mostly round-off: no stress */
   int regularised; /* the tangent's matrix was not positive definite and was shifted */

@@ -266,6 +266,7 @@ static void answers_spread(farm_shared *s, int end, double *P, double *A) {
     b->counts.pairs += a->m.pairs;
     b->counts.ramps += a->m.ramps;
     b->counts.settled += a->m.settled;
+    b->counts.newton += a->m.newton;
     b->counts.accepted += a->m.accepted;
   }
 }

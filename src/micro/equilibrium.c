@@ -7,7 +7,7 @@
  * With friction relaxation may find none: then a ramp leads to F (ramp.c), or Newton out of a limit cycle. */
 #include "micro/internal.h"
 
-static const double first_relaxation = 1e-5;
+const double gh_rve_first_relaxation = 1e-5;
 
 static bool relaxation_has_finish(const gh_rve *r) {
   return r->options.relaxation == GH_RELAX_POLISHED;
@@ -81,7 +81,7 @@ static gh_status equilibrium_relax(gh_rve *r) {
  * potential is convex (positions fix the normal forces). Newton may start at once there. */
 static gh_status equilibrium_solve(gh_rve *r) {
   long left = r->options.max_steps;
-  double aim = fmax(first_relaxation, r->options.tolerance);
+  double aim = fmax(gh_rve_first_relaxation, r->options.tolerance);
   bool done = false, again;
   if (!r->relaxes) {
     GH_TRY(gh_rve_update_contacts(r));
@@ -97,20 +97,47 @@ static gh_status equilibrium_solve(gh_rve *r) {
   return GH_OK;
 }
 
-gh_status gh_rve_equilibrate(gh_rve *r) {
-  double cell[4];
-  double start = gh_seconds();
-  gh_mul2(r->F, r->lattice, cell);
-  gh_rve_find_round_off(r, cell);
-  r->shift = 0;
+/* The affine guess keeps the fluctuations. Grains are assumed to rotate with the body: by the rotation of F since
+ * the start. Where they slide, there are many equilibria, and a guess that lags behind would end in one that a
+ * rigid rotation does not have. */
+static void equilibrium_guess(gh_rve *r, const gh_start *b) {
+  double f[4], inverse[4];
+  for (int i = 0; i < r->n; i++) gh_apply2(r->F, &b->y[2 * i], &r->x[2 * i]);
+  if (!r->theta) return;
+  gh_inv2(b->F, inverse);
+  gh_mul2(r->F, inverse, f);
+  const double turn = r->turns ? gh_turn2(f) : 0;
+  for (int i = 0; i < r->n; i++) r->theta[i] = b->theta[i] + turn;
+  for (int i = 0; i < r->n && r->turns && r->frame; i++)
+    if (gh_frame_turns_with_F(r->frame, i)) r->theta[i] = b->theta[i] + gh_rotation_between(b->F, r->F);
+}
+
+static gh_status equilibrium_set(gh_rve *r, const double cell[4]) {
+  const double start = gh_seconds();
   GH_TRY(gh_engine_set(r->engine, cell, r->x, r->theta));
   r->cost.set += gh_seconds() - start;
+  return GH_OK;
+}
+
+gh_status gh_rve_equilibrate(gh_rve *r, const gh_start *b) {
+  double cell[4];
+  bool reached;
+  gh_mul2(r->F, r->lattice, cell);
+  equilibrium_guess(r, b);
+  gh_rve_find_round_off(r, cell);
+  r->shift = 0;
   if (!gh_rve_solves(r)) {
+    GH_TRY(equilibrium_set(r, cell));
     GH_TRY(gh_rve_update_contacts(r));
     r->m.stress_free = r->m.unjammed;
     return GH_OK;
   }
-  GH_TRY(relaxation_has_finish(r) ? equilibrium_solve(r) : equilibrium_relax(r));
+  GH_TRY(gh_rve_follow(r, b, &reached));
+  if (!reached) {
+    equilibrium_guess(r, b);
+    GH_TRY(equilibrium_set(r, cell));
+    GH_TRY(relaxation_has_finish(r) ? equilibrium_solve(r) : equilibrium_relax(r));
+  }
   gh_rve_find_stress_free(r);
   return gh_engine_get(r->engine, r->x, r->theta);
 }

@@ -182,6 +182,13 @@ typedef struct gh_base {
   gh_slips slips;
 } gh_base;
 
+/* A pair of grains that have touched in a Newton iteration, one of them a rattler. */
+enum { LOOSE_PUSH = 5 };
+typedef struct gh_loose_pair {
+  int i, j;
+  double reach, shift[2]; /* sum of radii; what the cell adds to x_j - x_i */
+} gh_loose_pair;
+
 struct gh_rve {
   gh_context *ctx;
   gh_rve_options options;
@@ -222,11 +229,15 @@ struct gh_rve {
   double pressuren;                /* mean pressure of the converged state; negative: not known yet */
   gh_friction *sliding;            /* list.friction of a state that a ramp has led to F */
   size_t sliding_capacity;
-  bool begun;          /* the engine has the converged state */
-  double shift;        /* of the coupled stiffness in this evaluation: 0 until it has turned out singular */
-  double *x, *step;    /* n x 2 work: positions in space of the last evaluation, and of a Newton step */
-  double *turn;        /* n work: rotations of a Newton step; NULL without friction */
-  double *x0, *theta0; /* the same, where regularised Newton steps started; NULL without friction */
+  bool begun;           /* the engine has the converged state */
+  double shift;         /* of the coupled stiffness in this evaluation: 0 until it has turned out singular */
+  double *x, *step;     /* n x 2 work: positions in space of the last evaluation, and of a Newton step */
+  double *turn;         /* n work: rotations of a Newton step; NULL without friction */
+  double *x0, *theta0;  /* the same, where a Newton iteration started; theta0 is NULL without friction */
+  gh_loose_pair *loose; /* of the Newton iteration that goes on; nloose of them */
+  int nloose;
+  size_t loose_capacity;
+  double *loose_push; /* n x LOOSE_PUSH work */
   int *view_grain, *view_id;
   unsigned char *view_flags;
   gh_contact_list list; /* of the last evaluation, the engine's */
@@ -282,6 +293,17 @@ gh_status gh_rve_factor(gh_rve *rve, bool help, bool *regular);
  * is at the last safe positions, and *again: another attempt after more relaxation is worth it. */
 gh_status gh_rve_newton_finish(gh_rve *rve, bool *done, bool *again);
 gh_status gh_rve_newton_regularised(gh_rve *rve, double tolerance);
+/* Nothing is known yet of where rattlers have touched others. */
+void gh_rve_newton_begin(gh_rve *rve);
+/* The Newton step without friction from the current positions, to rve->step; *definite: with a stiffness that is
+ * positive definite, else there is none. */
+gh_status gh_rve_newton_direction(gh_rve *rve, bool *definite);
+
+/* ---- follow.c ---- */
+
+/* Newton from the start of an evaluation, where that is allowed. *reached: the engine is in equilibrium at F, as gh_rve_equilibrate
+ * leaves it; else nothing is known of its positions. */
+gh_status gh_rve_follow(gh_rve *rve, const gh_start *start, bool *reached);
 
 /* ---- ramp.c ---- */
 
@@ -303,9 +325,10 @@ long gh_rve_patience(const gh_rve *rve);
 
 /* ---- equilibrium.c, stress.c, tangent.c ---- */
 
-/* Finds the equilibrium from the positions in rve->x (in space) at rve->F. Leaves positions, contacts and
- * forces of the equilibrium. */
-gh_status gh_rve_equilibrate(gh_rve *rve);
+/* Residual until which relaxation goes before Newton's iteration may end it. */
+extern const double gh_rve_first_relaxation;
+/* Finds the equilibrium at rve->F from a start. Leaves positions, contacts and forces of the equilibrium. */
+gh_status gh_rve_equilibrate(gh_rve *rve, const gh_start *start);
 /* Stress, energy and the other sums over the contacts into rve->m. */
 gh_status gh_rve_sums(gh_rve *rve);
 /* A by static condensation; contacts and rattlers of the equilibrium are current. */

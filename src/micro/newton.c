@@ -65,33 +65,74 @@ static void backbone_balance(const gh_rve *r) {
   }
 }
 
-/* Pushes one or both ends of a contact with a rattler apart, if they overlap where the step leads. */
-static bool rattler_push_apart(gh_rve *r, const gh_contact *q, double gap) {
+static bool loose_pair_is(const gh_loose_pair *p, const gh_loose_pair *q) {
+  const double other = 1e-3 * q->reach; /* images of a pair differ in their shift, by a length of the cell */
+  return p->i == q->i && p->j == q->j && fabs(p->shift[0] - q->shift[0]) < other &&
+         fabs(p->shift[1] - q->shift[1]) < other;
+}
+
+/* Contacts of rattlers are remembered: a grain that is pushed out of one contact may be pressed into another,
+ * which is not seen at the next step where it has opened. */
+static gh_status loose_pairs_remember(gh_rve *r) {
+  for (int c = 0; c < r->list.count; c++) {
+    const gh_contact *q = r->list.contacts + c;
+    gh_loose_pair now = {.i = q->i, .j = q->j, .reach = q->overlap + hypot(q->l[0], q->l[1])};
+    int p = 0;
+    if (q->i == q->j || !(r->rattlers->flag[q->i] || r->rattlers->flag[q->j])) continue;
+    for (int k = 0; k < 2; k++) now.shift[k] = q->l[k] - (r->x[2 * q->j + k] - r->x[2 * q->i + k]);
+    while (p < r->nloose && !loose_pair_is(&r->loose[p], &now)) p++;
+    if (p < r->nloose) continue;
+    GH_TRY(gh_grow(r->ctx, (size_t)++r->nloose, sizeof *r->loose, &r->loose_capacity, &r->loose));
+    r->loose[p] = now;
+  }
+  return GH_OK;
+}
+
+/* Adds a pair that overlaps where the step leads to the systems of the rattlers among its ends: sum of n (x) n
+ * (xx, xy, yy) and of the overlap times n. */
+static bool loose_pair_add(const gh_rve *r, const gh_loose_pair *q, double gap) {
+  const int end[2] = {q->i, q->j};
   const bool loose[2] = {r->rattlers->flag[q->i], r->rattlers->flag[q->j]};
-  double l[2], *x[2] = {r->step + 2 * q->i, r->step + 2 * q->j};
-  for (int k = 0; k < 2; k++)
-    l[k] = q->l[k] + (x[1][k] - r->x[2 * q->j + k]) - (x[0][k] - r->x[2 * q->i + k]);
-  double d = hypot(l[0], l[1]), overlap = q->overlap + hypot(q->l[0], q->l[1]) - d;
-  if (!(overlap > 0 && d > 0) || !(loose[0] || loose[1]) || q->i == q->j) return false;
-  double share = (overlap + gap) / d / (loose[0] + loose[1]);
-  for (int k = 0; k < 2; k++) {
-    x[0][k] -= loose[0] ? share * l[k] : 0;
-    x[1][k] += loose[1] ? share * l[k] : 0;
+  double n[2];
+  for (int k = 0; k < 2; k++) n[k] = r->step[2 * q->j + k] - r->step[2 * q->i + k] + q->shift[k];
+  const double d = hypot(n[0], n[1]), overlap = q->reach - d;
+  if (!(overlap > 0 && d > 0) || !(loose[0] || loose[1])) return false;
+  for (int e = 0; e < 2; e++) {
+    double *w = r->loose_push + LOOSE_PUSH * end[e];
+    const double away = (overlap + gap) / (loose[0] + loose[1]) / d * (e ? 1 : -1);
+    if (!loose[e]) continue;
+    w[0] += n[0] * n[0] / (d * d), w[1] += n[0] * n[1] / (d * d), w[2] += n[1] * n[1] / (d * d);
+    w[3] += away * n[0], w[4] += away * n[1];
   }
   return true;
 }
 
+/* Moves a rattler by what lets go of its contacts, in the sense of least squares. */
+static void loose_grain_push(gh_rve *r, int i) {
+  const double most = 0.05 * r->mean_radius, *w = r->loose_push + LOOSE_PUSH * i,
+               small = 1e-6 * (w[0] + w[2]), xx = w[0] + small, yy = w[2] + small,
+               det = xx * yy - w[1] * w[1];
+  if (!(det > 0)) return;
+  const double push[2] = {(yy * w[3] - w[1] * w[4]) / det, (xx * w[4] - w[1] * w[3]) / det},
+               far = hypot(push[0], push[1]), slower = far > most ? most / far : 1;
+  for (int k = 0; k < 2; k++) r->step[2 * i + k] += slower * push[k];
+}
+
 /* Rattlers carry nothing, but lean on others, and relaxation never parts them quite. A step of the others by
- * more than that overlap would press them: they are pushed aside. Those that it meets only then show in
- * the residual. */
-static void rattlers_clear(gh_rve *r) {
-  enum { SWEEPS = 20 };
-  const double gap = 1e-9 * gh_packing_mean_radius(r->packing);
+ * more than that overlap would press them: they are pushed aside. One that its neighbours trap is left in their
+ * midst, and is no rattler at the next step. */
+static gh_status rattlers_clear(gh_rve *r) {
+  enum { SWEEPS = 50 };
+  const double gap = 1e-9 * r->mean_radius;
+  GH_TRY(loose_pairs_remember(r));
   for (int sweep = 0; sweep < SWEEPS; sweep++) {
     bool moved = false;
-    for (int c = 0; c < r->list.count; c++) moved = rattler_push_apart(r, r->list.contacts + c, gap) || moved;
-    if (!moved) return;
+    memset(r->loose_push, 0, LOOSE_PUSH * (size_t)r->n * sizeof *r->loose_push);
+    for (int p = 0; p < r->nloose; p++) moved = loose_pair_add(r, r->loose + p, gap) || moved;
+    if (!moved) return GH_OK;
+    for (int i = 0; i < r->n; i++) loose_grain_push(r, i);
   }
+  return GH_OK;
 }
 
 static gh_status forces_solve(gh_rve *r) {
@@ -102,8 +143,7 @@ static gh_status forces_solve(gh_rve *r) {
   for (int i = 0; i < r->n; i++)
     for (int k = 0; k < 2; k++)
       r->step[2 * i + k] = r->x[2 * i + k] + (s->unknown[3 * i] >= 0 ? dx[s->unknown[3 * i] + k] : 0);
-  rattlers_clear(r);
-  return GH_OK;
+  return rattlers_clear(r);
 }
 
 static gh_status forces_and_moments_solve(gh_rve *r) {
@@ -120,6 +160,18 @@ static gh_status forces_and_moments_solve(gh_rve *r) {
     for (int k = 0; k < 2; k++) r->step[2 * i + k] = r->x[2 * i + k] + (u[k] >= 0 ? dx[u[k]] : 0);
     r->turn[i] = r->theta[i] + (u[2] >= 0 ? dx[u[2]] : 0);
   }
+  return GH_OK;
+}
+
+void gh_rve_newton_begin(gh_rve *r) {
+  r->nloose = 0;
+}
+
+gh_status gh_rve_newton_direction(gh_rve *r, bool *definite) {
+  GH_TRY(equilibrium_factor(r, definite));
+  const double start = gh_seconds();
+  if (*definite) GH_TRY(forces_solve(r));
+  r->cost.factorise += gh_seconds() - start;
   return GH_OK;
 }
 
@@ -151,6 +203,7 @@ gh_status gh_rve_newton_regularised(gh_rve *r, double tolerance) {
   GH_TRY(gh_engine_get(r->engine, r->x, r->theta));
   memcpy(r->x0, r->x, 2 * (size_t)r->n * sizeof(double));
   memcpy(r->theta0, r->theta, (size_t)r->n * sizeof(double));
+  gh_rve_newton_begin(r);
   bool moved = false;
   for (size_t k = 0; k < sizeof shifts / sizeof *shifts; k++) {
     for (bool falls = true; falls;) {
@@ -187,6 +240,7 @@ gh_status gh_rve_newton_finish(gh_rve *r, bool *done, bool *again) {
     return GH_OK;
   }
   GH_TRY(gh_engine_get(r->engine, r->x, r->theta));
+  gh_rve_newton_begin(r);
   for (;;) {
     bool good, falls;
     GH_TRY(equilibrium_factor(r, &good));

@@ -35,6 +35,8 @@ void gh_rve_destroy(gh_rve **rve) {
                           r->theta,
                           r->turn,
                           r->x0,
+                          r->loose,
+                          r->loose_push,
                           r->theta0,
                           r->view_grain,
                           r->view_id,
@@ -86,6 +88,12 @@ static gh_status rve_make_engine(gh_rve *r) {
   return gh_engine_create(r->ctx, r->options.engine, &setup, &r->engine);
 }
 
+/* Rattlers touch few others: no iteration asks for memory. */
+static gh_status rve_make_loose(gh_rve *r) {
+  GH_TRY(gh_alloc(r->ctx, (size_t)r->n * LOOSE_PUSH, sizeof(double), &r->loose_push));
+  return gh_grow(r->ctx, 3 * (size_t)r->n + 1, sizeof *r->loose, &r->loose_capacity, &r->loose);
+}
+
 static gh_status rve_make_state(gh_rve *r) {
   size_t n = 2 * (size_t)r->n;
   double **const arrays[] = {&r->X, &r->yn, &r->y, &r->x, &r->step};
@@ -100,13 +108,12 @@ static gh_status rve_make_state(gh_rve *r) {
   memcpy(r->Fn, (double[4]){1, 0, 0, 1}, sizeof r->Fn);
   memcpy(r->F, r->Fn, sizeof r->F);
   r->pressuren = -1;
-  if (!gh_rve_friction(r)) return GH_OK;
-  double **const turns[] = {&r->thetan, &r->theta, &r->turn, &r->theta0, &r->base.theta},
-                 **const places[] = {&r->x0, &r->base.y};
+  if (r->relaxes) GH_TRY(gh_alloc(r->ctx, n, sizeof(double), &r->x0));
+  if (!gh_rve_friction(r)) return r->relaxes ? rve_make_loose(r) : GH_OK;
+  double **const turns[] = {&r->thetan, &r->theta, &r->turn, &r->theta0, &r->base.theta};
   for (size_t k = 0; k < sizeof turns / sizeof *turns; k++)
     GH_TRY(gh_alloc(r->ctx, (size_t)r->n, sizeof(double), turns[k]));
-  for (size_t k = 0; k < sizeof places / sizeof *places; k++)
-    GH_TRY(gh_alloc(r->ctx, n, sizeof(double), places[k]));
+  GH_TRY(gh_alloc(r->ctx, n, sizeof(double), &r->base.y));
   if (!gh_rve_ramps(r)) return GH_OK;
   const size_t contacts = 3 * (size_t)r->n + 1; /* grains touch six others at most: no ramp asks for memory */
   GH_TRY(gh_grow(r->ctx, contacts, sizeof(gh_slip), &r->base.slips.capacity, &r->base.slips.slips));
@@ -167,27 +174,11 @@ static void positions_pull_back(gh_rve *r) {
   for (int i = 0; i < 2 * r->n; i++) r->y[i] -= off[i % 2], r->x[i] -= shift[i % 2];
 }
 
-/* Grains are assumed to rotate with the body: by the rotation of F since its start. Where they slide,
- * there are many equilibria, and a guess that lags behind would end in one that a rigid rotation does not
- * have. */
-static void rotations_guess(gh_rve *r, const gh_start *b) {
-  double f[4], inverse[4];
-  gh_inv2(b->F, inverse);
-  gh_mul2(r->F, inverse, f);
-  double turn = r->turns ? gh_turn2(f) : 0;
-  for (int i = 0; i < r->n; i++) r->theta[i] = b->theta[i] + turn;
-  for (int i = 0; i < r->n && r->turns && r->frame; i++)
-    if (gh_frame_turns_with_F(r->frame, i)) r->theta[i] = b->theta[i] + gh_rotation_between(b->F, r->F);
-}
-
 static gh_status rve_evaluate(gh_rve *r, const double *near, unsigned want, double A[16]) {
   gh_start b;
   GH_TRY(gh_state_start(r, near, &b));
   if (gh_rve_ramps(r) && !b.near) GH_TRY(gh_rve_ramp_to_base(r, &b));
-  for (int i = 0; i < r->n; i++)
-    gh_apply2(r->F, &b.y[2 * i], &r->x[2 * i]); /* the affine guess keeps the fluctuations */
-  if (r->theta) rotations_guess(r, &b);
-  GH_TRY(gh_rve_equilibrate(r));
+  GH_TRY(gh_rve_equilibrate(r, &b));
   if (r->relaxes) positions_pull_back(r);
   if (gh_rve_solves(r)) GH_TRY(gh_rve_find_rattlers(r)); /* they serve the sums and the tangent */
   if (r->m.settled) GH_TRY(gh_rve_mark_sliding(r));

@@ -146,6 +146,7 @@ static void add_summary(gh_json root, const gh_run_summary *m) {
   gh_json_number(farm, "pair_evaluations", (double)m->farm.pairs);
   gh_json_number(farm, "ramps", (double)m->farm.ramps);
   gh_json_number(farm, "ramps_to_rest", (double)m->farm.settled);
+  gh_json_number(farm, "newton", (double)m->farm.newton);
   gh_json_number(farm, "accepted", (double)m->farm.accepted);
   gh_json_number(farm, "computed", (double)m->farm.computed);
   gh_json_number(farm, "moved", (double)m->farm.moved);

@@ -112,7 +112,8 @@ static void sum_up(run *r) {
   gh_farm_count(r->farm, now);
   now->evaluations += old->evaluations, now->steps += old->steps, now->factorisations += old->factorisations;
   now->pairs += old->pairs;
-  now->ramps += old->ramps, now->settled += old->settled, now->accepted += old->accepted;
+  now->ramps += old->ramps, now->settled += old->settled, now->newton += old->newton,
+      now->accepted += old->accepted;
   now->computed += old->computed, now->moved += old->moved;
   now->busy += old->busy, now->longest += old->longest;
   r->sum.seconds = r->before.seconds + gh_seconds() - r->begin;

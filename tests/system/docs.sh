@@ -62,7 +62,7 @@ if [ $? = 2 ] && grep -q nonsense err; then ok "help of keys that are none"; els
 # --- headers that a run writes, against the literal ones of the contract ---
 printf 'step,F11,F12,F21,F22\n0,1,0,0,1\n' >path.csv
 "$granhom" rve "$root/scenes/block/sand150.data" --path path.csv --engine native --friction-coefficient 0.3 -o out.csv 2>err
-if [ "$(head -n 1 out.csv)" = step,F11,F12,F21,F22,P11,P12,P21,P22,s11,s12,s21,s22,energy,contacts,rattlers,residual,seconds,energy_t,dissipation,sliding,ramps ]; then
+if [ "$(head -n 1 out.csv)" = step,F11,F12,F21,F22,P11,P12,P21,P22,s11,s12,s21,s22,energy,contacts,rattlers,residual,seconds,energy_t,dissipation,sliding,ramps,events,newton ]; then
   ok "columns of rve"
 else
   not_ok "columns of rve" "$(head -n 1 out.csv)"

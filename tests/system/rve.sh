@@ -22,7 +22,7 @@ END
 columns=step,F11,F12,F21,F22,P11,P12,P21,P22,s11,s12,s21,s22,energy,contacts,rattlers,residual,seconds
 native --path path.csv -o out.csv >said 2>&1
 check "a path gives a file of results" test $? = 0 -a "$(wc -l <out.csv)" = 5
-check "the columns are those of the guide" test "$(head -n 1 out.csv)" = $columns
+check "the columns are those of the guide" test "$(head -n 1 out.csv)" = $columns,events,newton
 check "nothing goes to standard output beside the file" test -z "$(native --path path.csv -o out.csv 2>/dev/null)"
 check "steps and F are repeated as given" test "$(sed -n 3p out.csv | cut -d, -f1-5)" = 1,0.998,0.001,0,0.999
 check "numbers have 17 digits, pressure is negative, the residual is met" awk -F, '
@@ -114,7 +114,7 @@ done
 # --- friction ---
 rubbing() { native --friction-angle 20 --hardening 10 "$@"; }
 rubbing --path path.csv -o rub.csv --dump rub.dump 2>/dev/null
-check "friction adds its columns" test "$(head -n 1 rub.csv)" = "$columns,energy_t,dissipation,sliding,ramps"
+check "friction adds its columns" test "$(head -n 1 rub.csv)" = "$columns,energy_t,dissipation,sliding,ramps,events,newton"
 check "some contacts slide, and dissipate" awk -F, 'END {exit !($21 > 0 && $20 > 0 && $19 > 0)}' rub.csv
 # a cell that is sheared and rotated by affine motion: box, image flags and cell give back F X, turned so that the first lattice
 # vector lies along x
