@@ -234,7 +234,7 @@ struct gh_rve {
   double *x, *step;     /* n x 2 work: positions in space of the last evaluation, and of a Newton step */
   double *turn;         /* n work: rotations of a Newton step; NULL without friction */
   double *x0, *theta0;  /* the same, where a Newton iteration started; theta0 is NULL without friction */
-  gh_loose_pair *loose; /* of the Newton iteration that goes on; nloose of them */
+  gh_loose_pair *loose; /* nloose of them, of this Newton iteration */
   int nloose;
   size_t loose_capacity;
   double *loose_push; /* n x LOOSE_PUSH work */
