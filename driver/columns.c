@@ -35,6 +35,8 @@ const gh_term columns_frame[] = {
      "moments of the supports of the frame per reference area; 0 but for `displacement` with friction"},
     {0}};
 
+const gh_term columns_servo[] = {{"sweeps", "of servo-control"}, {0}};
+
 const gh_term columns_ramp[] = {
     {"ramps", "ramps of the increment along which slip was integrated; 0: it counts from the last state"},
     {0}};

@@ -10,6 +10,9 @@ static const char *const boundaries[] = {[GH_TAYLOR] = "taylor",
                                          [GH_FRAME_PERIODIC] = "frame-periodic",
                                          [GH_TRACTION] = "traction",
                                          [GH_MIXED] = "mixed",
+                                         [GH_SERVO_DISPLACEMENT] = "servo-displacement",
+                                         [GH_SERVO_PERIODIC] = "servo-periodic",
+                                         [GH_SERVO_TRACTION] = "servo-traction",
                                          NULL};
 static const char *const engines[] = {[GH_ENGINE_LAMMPS] = "lammps", [GH_ENGINE_NATIVE] = "native", NULL};
 static const char *const relaxations[] = {
@@ -41,7 +44,9 @@ const option_row packing_condition_rows[] = {
          "restricted: grains at the boundary follow F, the others are in equilibrium; periodic: all "
          "grains of the periodic cell are in equilibrium. On a frame of the grains that the cell's boundary "
          "cuts: displacement: they follow F; frame-periodic: opposite edges move alike; traction: uniform "
-         "traction, F in the mean; mixed: see --mixed"},
+         "traction, F in the mean; mixed: see --mixed; servo-displacement, servo-periodic, servo-traction: "
+         "the "
+         "same by servo-control"},
     {.name = "mixed",
      .argument = "X,Y",
      .kind = OPTION_OWN,
@@ -49,6 +54,27 @@ const option_row packing_condition_rows[] = {
      .help = "with --boundary mixed: what the edges that the first (x) and second (y) lattice vector lead to "
              "do, as "
              "x=traction,y=displacement; of displacement, periodic, traction"},
+    {.name = "servo-gain",
+     .argument = "G",
+     .kind = OPTION_NUMBER,
+     .below = 1,
+     PLACE(rve.servo_gain),
+     .help = "of servo-control: displacement of a grain of the frame over its unbalanced force, over 1/E; "
+             "below 1"},
+    {.name = "servo-tolerance",
+     .argument = "T",
+     .kind = OPTION_NUMBER,
+     .below = 1,
+     PLACE(rve.servo_tolerance),
+     .help =
+         "norm of what servo-control may leave unbalanced on the frame, over the mean normal contact force"},
+    {.name = "servo-acceleration",
+     .argument = "N",
+     .kind = OPTION_INTEGER,
+     .low = 0,
+     .high = GH_SERVO_DEPTH,
+     PLACE(rve.servo_acceleration),
+     .help = "sweeps of servo-control that Anderson's acceleration combines; 0: none"},
     {.name = "engine",
      .argument = "NAME",
      .kind = OPTION_CHOICE,

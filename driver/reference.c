@@ -49,6 +49,7 @@ static void print_point_columns(gh_text *out) {
   static const gh_term_list list[] = {{"OUT.csv of rve and element", columns_point},
                                       {"OUT.csv with friction", columns_friction},
                                       {"OUT.csv on a frame, then", columns_frame},
+                                      {"OUT.csv with servo-control, then", columns_servo},
                                       {"OUT.csv of rve with friction, then", columns_ramp},
                                       {"OUT.csv of rve, then", columns_path},
                                       {"OUT.csv of element, then", columns_control},

@@ -6,8 +6,8 @@
 #include "granhom/io.h"
 
 /* columns.c: of granhom rve and element; with friction; of element alone; of --tangent. */
-extern const gh_term columns_point[], columns_friction[], columns_frame[], columns_ramp[], columns_path[],
-    columns_control[], columns_tangent[];
+extern const gh_term columns_point[], columns_friction[], columns_frame[], columns_servo[], columns_ramp[],
+    columns_path[], columns_control[], columns_tangent[];
 /* element_spec.c: keys of a control file. */
 extern const gh_term element_keys[], element_step_keys[], element_way_keys[], element_repeat_keys[];
 

@@ -24,6 +24,7 @@ void rve_table_header(gh_text *out, const gh_rve_options *o) {
   gh_terms_header(out, columns_point, ",");
   more_columns(out, o->law.friction, columns_friction);
   more_columns(out, gh_rve_has_frame(o), columns_frame);
+  more_columns(out, gh_rve_has_servo(o), columns_servo);
 }
 
 void rve_table_row(gh_text *out, long step, const gh_rve_measures *m, double seconds,
@@ -35,6 +36,7 @@ void rve_table_row(gh_text *out, long step, const gh_rve_measures *m, double sec
   gh_text_print(out, ",%.17g,%d,%d,%.17g,%.6g", m->energy, m->contacts, m->rattlers, m->residual, seconds);
   if (o->law.friction) gh_text_print(out, ",%.17g,%.17g,%d", m->energy_t, m->dissipation, m->sliding);
   if (gh_rve_has_frame(o)) gh_text_print(out, ",%.17g", m->couple);
+  if (gh_rve_has_servo(o)) gh_text_print(out, ",%d", m->sweeps);
 }
 
 gh_status rve_table_write(gh_context *ctx, gh_text *text, const char *path, bool last) {

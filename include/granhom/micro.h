@@ -22,9 +22,13 @@ typedef enum gh_boundary {
   GH_FRAME_PERIODIC,
   GH_TRACTION,
   GH_MIXED,
+  GH_SERVO_DISPLACEMENT, /* the same by servo-control */
+  GH_SERVO_PERIODIC,
+  GH_SERVO_TRACTION,
   GH_BOUNDARIES
 } gh_boundary;
-/* "taylor", "taylor-cell", "restricted", "periodic", "displacement", "frame-periodic", "traction", "mixed"; false
+/* "taylor", "taylor-cell", "restricted", "periodic", "displacement", "frame-periodic", "traction", "mixed", "servo-displacement",
+ * "servo-periodic", "servo-traction"; false
  * when the word is none of them. */
 GH_API bool gh_boundary_from_name(const char *name, gh_boundary *b);
 GH_API const char *gh_boundary_name(gh_boundary b);
@@ -57,6 +61,11 @@ GH_API const char *gh_integration_name(gh_integration integration);
 struct gh_rve_options {
   gh_boundary boundary;
   gh_edges mixed[2]; /* of GH_MIXED, else nothing */
+  /* Of servo-control, else nothing: displacement over unbalanced force, over 1/E_n, 0 < g < 1, default 0.1; what may be
+   * unbalanced, over the mean normal contact force, default 1e-4; sweeps that Anderson's acceleration combines, 0 (the
+   * default) to GH_SERVO_DEPTH. */
+  double servo_gain, servo_tolerance;
+  int servo_acceleration;
   gh_engine_kind engine;
   gh_contact_law law;
   double tolerance; /* residual: largest force on a free grain over the mean normal contact force; > 0,
@@ -70,6 +79,7 @@ struct gh_rve_options {
   double allow_overlap;       /* of accepted states, see granhom/limits.h: 0, the default: gh_default_limits;
                                INFINITY: any; else the largest mean overlap over the mean radius */
 };
+enum { GH_SERVO_DEPTH = 8 };
 GH_API gh_rve_options gh_rve_defaults(void);
 /* The relaxation steps that these options allow: max_steps, or the default (friction relaxes in fewer). */
 GH_API long gh_rve_step_limit(const gh_rve_options *options);
@@ -78,6 +88,8 @@ GH_API long gh_rve_step_limit(const gh_rve_options *options);
 GH_API bool gh_rve_has_branches(const gh_rve_options *options);
 /* Whether the condition is one on a frame. */
 GH_API bool gh_rve_has_frame(const gh_rve_options *options);
+/* Whether it is met by servo-control. */
+GH_API bool gh_rve_has_servo(const gh_rve_options *options);
 /* Whether the packing has what the condition needs: gh_rve_create and gh_farm_create refuse others. GH_INPUT: a frame
  * with a gap that a grain can pass, no grain on an edge, one that reaches across the cell, a pair of edges without
  * condition. */
@@ -102,6 +114,7 @@ typedef struct gh_rve_measures {
   double overlap;  /* mean over the contacts between grains that are no rattlers, over the mean radius */
   double acoustic; /* smallest eigenvalue of N.A.N over all N; NAN without tangent */
   double acoustic_angle; /* of N to the x axis, radians */
+  int sweeps;            /* of servo-control */
   long steps;            /* force evaluations */
   long pairs;            /* pair evaluations: gh_engine_cost */
   int contacts, rattlers;

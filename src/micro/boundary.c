@@ -26,6 +26,21 @@ static const gh_condition conditions[GH_BOUNDARIES] = {
                      .body = GH_BODY_FRAME,
                      .fixes = GH_FIXES_BOUNDARY,
                      EDGES(TRACTION, TRACTION)},
+    [GH_SERVO_DISPLACEMENT] = {.name = "servo-displacement",
+                               .body = GH_BODY_FRAME,
+                               .fixes = GH_FIXES_BOUNDARY,
+                               EDGES(DISPLACEMENT, DISPLACEMENT),
+                               .servo = true},
+    [GH_SERVO_PERIODIC] = {.name = "servo-periodic",
+                           .body = GH_BODY_FRAME,
+                           .fixes = GH_FIXES_BOUNDARY,
+                           EDGES(PERIODIC, PERIODIC),
+                           .servo = true},
+    [GH_SERVO_TRACTION] = {.name = "servo-traction",
+                           .body = GH_BODY_FRAME,
+                           .fixes = GH_FIXES_BOUNDARY,
+                           EDGES(TRACTION, TRACTION),
+                           .servo = true},
     [GH_MIXED] = {.name = "mixed", .body = GH_BODY_FRAME, .fixes = GH_FIXES_BOUNDARY}};
 
 gh_condition gh_condition_of(const gh_rve_options *o) {
@@ -48,7 +63,8 @@ const char *gh_boundary_name(gh_boundary b) {
 }
 
 const char *gh_boundary_words(void) {
-  return "taylor, taylor-cell, restricted, periodic, displacement, frame-periodic, traction, mixed";
+  return "taylor, taylor-cell, restricted, periodic, displacement, frame-periodic, traction, mixed, "
+         "servo-displacement, servo-periodic, servo-traction";
 }
 
 bool gh_rve_has_branches(const gh_rve_options *o) {
@@ -58,6 +74,10 @@ bool gh_rve_has_branches(const gh_rve_options *o) {
 
 bool gh_rve_has_frame(const gh_rve_options *o) {
   return conditions[o->boundary].body == GH_BODY_FRAME;
+}
+
+bool gh_rve_has_servo(const gh_rve_options *o) {
+  return conditions[o->boundary].servo;
 }
 
 /* ---- mixed conditions ---- */

@@ -123,7 +123,7 @@ gh_status gh_rve_equilibrate(gh_rve *r, const gh_start *b) {
   double cell[4];
   bool reached;
   gh_mul2(r->F, r->lattice, cell);
-  equilibrium_guess(r, b);
+  if (b) equilibrium_guess(r, b);
   gh_rve_find_round_off(r, cell);
   r->shift = 0;
   if (!gh_rve_solves(r)) {
@@ -134,7 +134,7 @@ gh_status gh_rve_equilibrate(gh_rve *r, const gh_start *b) {
   }
   GH_TRY(gh_rve_follow(r, b, &reached));
   if (!reached) {
-    equilibrium_guess(r, b);
+    if (b) equilibrium_guess(r, b);
     GH_TRY(equilibrium_set(r, cell));
     GH_TRY(relaxation_has_finish(r) ? equilibrium_solve(r) : equilibrium_relax(r));
   }

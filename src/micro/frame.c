@@ -108,7 +108,7 @@ static void members_fill(const gh_packing *p, const gh_condition *condition, con
       if (!side[k]) continue;
       f->on[m] = 1;
       if (f->open[k]) f->edges[m] |= (unsigned char)(1 << (2 * k + member_side(f, s, m, k)));
-      if (condition->edges[k] == GH_EDGES_DISPLACEMENT) f->held[m] = 1;
+      if (condition->edges[k] == GH_EDGES_DISPLACEMENT || condition->servo) f->held[m] = 1;
     }
     if (f->held[m]) f->fixed[m] = GH_FIXED_X | GH_FIXED_Y | GH_FIXED_TURN;
     if (f->on[m] &&
@@ -238,7 +238,7 @@ gh_status gh_frame_create(gh_context *ctx, const gh_packing *p, const gh_conditi
   for (int m = 0; m < f->n; m++) any = any || f->held[m];
   for (int k = 0; k < 2; k++)
     if (f->open[k]) GH_TRY_OR(edges_find_area(ctx, p, &s, k, f), done);
-  for (int m = 0; m < f->n && f->area; m++)
+  for (int m = 0; m < f->n && f->area && !condition->servo; m++)
     if (f->held[m]) f->area[2 * m] = f->area[2 * m + 1] = 0;
   if (f->area) f->rank = gh_frame_invert(f->n, f->area, f->inverse, f->axes);
   if (!any) {

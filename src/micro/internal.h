@@ -22,6 +22,7 @@ typedef struct gh_condition {
   gh_condition_body body;
   gh_condition_fixes fixes;
   gh_edges edges[2]; /* of a frame: those normal to each lattice vector */
+  bool servo;        /* they are met by servo-control */
 } gh_condition;
 /* GH_MIXED: with the edges of the options. */
 gh_condition gh_condition_of(const gh_rve_options *options);
@@ -193,8 +194,9 @@ struct gh_rve {
   gh_context *ctx;
   gh_rve_options options;
   gh_packing *packing;
-  gh_cluster *cluster; /* taylor and restricted */
-  gh_rve_frame *frame; /* conditions on a frame */
+  gh_cluster *cluster;    /* taylor and restricted */
+  struct gh_servo *servo; /* NULL: no servo-control */
+  gh_rve_frame *frame;    /* conditions on a frame */
   gh_engine *engine;
   gh_solver *solver; /* NULL where nothing is unknown */
   gh_rattlers *rattlers;
@@ -256,6 +258,17 @@ typedef struct gh_start {
 gh_status gh_state_check(const gh_rve *rve, const double *state, size_t size);
 /* From the converged state, or from the trial state `near` (NULL: none) where it is near. */
 gh_status gh_state_start(gh_rve *rve, const double *near, gh_start *start);
+
+/* ---- servo.c: servo-control of a frame ---- */
+
+typedef struct gh_servo gh_servo;
+/* Of r->frame, into r->servo. */
+gh_status gh_servo_create(gh_rve *r);
+void gh_servo_destroy(gh_servo **servo);
+/* The frame is held, as it is when an evaluation begins. */
+void gh_servo_hold(gh_rve *r);
+/* As gh_rve_equilibrate; the frame counts as free afterwards. */
+gh_status gh_servo_equilibrate(gh_rve *r, const gh_start *start);
 
 /* ---- history.c ---- */
 
@@ -327,7 +340,7 @@ long gh_rve_patience(const gh_rve *rve);
 
 /* Residual until which relaxation goes before Newton's iteration may end it. */
 extern const double gh_rve_first_relaxation;
-/* Finds the equilibrium at rve->F from a start. Leaves positions, contacts and forces of the equilibrium. */
+/* Finds the equilibrium at rve->F from a start, or from the positions and rotations in rve->x, theta (NULL). Leaves positions, contacts and forces of the equilibrium. */
 gh_status gh_rve_equilibrate(gh_rve *rve, const gh_start *start);
 /* Stress, energy and the other sums over the contacts into rve->m. */
 gh_status gh_rve_sums(gh_rve *rve);

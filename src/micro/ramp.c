@@ -54,7 +54,8 @@ bool gh_rve_ramps(const gh_rve *r) {
 }
 
 long gh_rve_patience(const gh_rve *r) {
-  return gh_rve_ramps(r) ? rule.patience : 0;
+  return gh_rve_ramps(r) && !r->servo ? rule.patience
+                                      : 0; /* servo-control moves the frame off the ramp's end */
 }
 
 /* The engine stands at the start then. */

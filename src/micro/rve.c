@@ -9,7 +9,11 @@
 enum { DEFAULT_STEPS = 400000, DEFAULT_STEPS_FRICTION = 50000 };
 
 gh_rve_options gh_rve_defaults(void) {
-  return (gh_rve_options){.boundary = GH_PERIODIC, .engine = GH_ENGINE_LAMMPS, .tolerance = 1e-8};
+  return (gh_rve_options){.boundary = GH_PERIODIC,
+                          .engine = GH_ENGINE_LAMMPS,
+                          .tolerance = 1e-8,
+                          .servo_gain = 0.1,
+                          .servo_tolerance = 1e-4};
 }
 
 long gh_rve_step_limit(const gh_rve_options *o) {
@@ -25,6 +29,7 @@ void gh_rve_destroy(gh_rve **rve) {
   gh_rattlers_destroy(&r->rattlers);
   gh_cluster_destroy(&r->cluster);
   gh_frame_destroy(&r->frame);
+  gh_servo_destroy(&r->servo);
   gh_packing_destroy(&r->packing);
   void *const arrays[] = {r->X,
                           r->yn,
@@ -54,6 +59,24 @@ void gh_rve_destroy(gh_rve **rve) {
   *rve = NULL;
 }
 
+/* Two grains of a frame that touch have a stiffness of 2 E_n against each other, whatever the others do: with a gain
+ * of 1 or more they move farther apart in each sweep. */
+static gh_status servo_check(gh_context *ctx, const gh_rve_options *o) {
+  if (!(o->servo_gain > 0) || !(o->servo_gain < 1))
+    return gh_fail(
+        ctx, GH_INPUT,
+        "servo-control with a gain of %g cannot converge: it must lie between 0 and 1, since the largest "
+        "stiffness of a frame is at least 2 E_n",
+        o->servo_gain);
+  if (!(o->servo_tolerance > 0) || !(o->servo_tolerance < 1))
+    return gh_fail(ctx, GH_INPUT, "the tolerance of servo-control must lie between 0 and 1, not %g",
+                   o->servo_tolerance);
+  if (o->servo_acceleration < 0 || o->servo_acceleration > GH_SERVO_DEPTH)
+    return gh_fail(ctx, GH_INPUT, "the acceleration of servo-control must lie between 0 and %d, not %d",
+                   GH_SERVO_DEPTH, o->servo_acceleration);
+  return GH_OK;
+}
+
 static gh_status options_check(gh_context *ctx, const gh_rve_options *o) {
   if (!(o->tolerance > 0) || !(o->tolerance < 1))
     return gh_fail(ctx, GH_INPUT, "the tolerance must lie between 0 and 1, not %g", o->tolerance);
@@ -63,6 +86,7 @@ static gh_status options_check(gh_context *ctx, const gh_rve_options *o) {
   if (!(o->allow_overlap >= 0))
     return gh_fail(ctx, GH_INPUT, "the mean overlap that is allowed must be 0 or more, not %g",
                    o->allow_overlap);
+  if (gh_rve_has_servo(o)) GH_TRY(servo_check(ctx, o));
   if (o->max_steps < 0)
     return gh_fail(ctx, GH_INPUT, "the number of relaxation steps must not be negative, but is %ld",
                    o->max_steps);
@@ -81,7 +105,7 @@ static gh_status rve_make_engine(gh_rve *r) {
                                        : r->packing->type,
                            .fixed = f && r->turns ? f->fixed : NULL,
                            .edges = gh_frame_is_open(f) ? f->edges : NULL,
-                           .area = gh_frame_is_open(f) ? f->area : NULL,
+                           .area = gh_frame_is_open(f) && !gh_rve_has_servo(&r->options) ? f->area : NULL,
                            .held = r->held,
                            .periodic = r->periodic,
                            .law = r->options.law};
@@ -123,7 +147,7 @@ static gh_status rve_make_state(gh_rve *r) {
 static gh_status rve_make_solver(gh_rve *r) {
   if (!gh_rve_solves(r)) return GH_OK;
   GH_TRY(gh_rattlers_create(r->ctx, r->n, &r->rattlers));
-  if (gh_frame_is_open(r->frame))
+  if (gh_frame_is_open(r->frame) && !gh_rve_has_servo(&r->options))
     return gh_solver_frame(r->ctx, r->n, !gh_rve_friction(r), r->frame, &r->solver);
   return gh_solver_block(r->ctx, r->n, !gh_rve_friction(r), &r->solver);
 }
@@ -154,6 +178,7 @@ gh_status gh_rve_create(gh_context *ctx, const gh_packing *packing, const gh_rve
   GH_TRY_OR(rve_make_engine(r), failed);
   GH_TRY_OR(rve_make_state(r), failed);
   GH_TRY_OR(rve_make_solver(r), failed);
+  if (condition.servo) GH_TRY_OR(gh_servo_create(r), failed);
   *rve = r;
   return GH_OK;
 failed:
@@ -176,9 +201,10 @@ static void positions_pull_back(gh_rve *r) {
 
 static gh_status rve_evaluate(gh_rve *r, const double *near, unsigned want, double A[16]) {
   gh_start b;
+  gh_servo_hold(r);
   GH_TRY(gh_state_start(r, near, &b));
   if (gh_rve_ramps(r) && !b.near) GH_TRY(gh_rve_ramp_to_base(r, &b));
-  GH_TRY(gh_rve_equilibrate(r, &b));
+  GH_TRY(r->servo ? gh_servo_equilibrate(r, &b) : gh_rve_equilibrate(r, &b));
   if (r->relaxes) positions_pull_back(r);
   if (gh_rve_solves(r)) GH_TRY(gh_rve_find_rattlers(r)); /* they serve the sums and the tangent */
   if (r->m.settled) GH_TRY(gh_rve_mark_sliding(r));

@@ -92,6 +92,9 @@ static void explain_micro(const gh_scene *s, gh_text *out) {
       [GH_TRACTION] =
           "uniform traction on the frame, which F holds in the mean; all grains are relaxed; tangent by "
           "condensation, with the constraint as a border of the matrix",
+      [GH_SERVO_DISPLACEMENT] = "as displacement",
+      [GH_SERVO_PERIODIC] = "as frame-periodic, by sweeps that move the grains of the frame",
+      [GH_SERVO_TRACTION] = "as traction, by sweeps that move the grains of the frame",
       [GH_MIXED] = "each pair of edges of the frame by itself; tangent by condensation"};
   static const char *const ways[] = {[GH_RELAX_POLISHED] = "central differences, then Newton",
                                      [GH_RELAX_DAMPED] = "damped: central differences alone, without Newton",

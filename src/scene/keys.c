@@ -51,10 +51,18 @@ const gh_term scene_contact_keys[] = {
 
 const gh_term scene_micro_keys[] = {
     {"boundary", "`taylor`, `taylor-cell`, `restricted`, `periodic` (default); on a frame of boundary grains "
-                 "`displacement`, `frame-periodic`, `traction`, `mixed`"},
+                 "`displacement`, `frame-periodic`, `traction`, `mixed`, and by servo-control "
+                 "`servo-displacement`, `servo-periodic`, `servo-traction`"},
     {"mixed",
      "with `boundary: mixed`: `x=traction,y=displacement`, for the edges that the first (x) and second (y) "
      "lattice vector lead to; of `displacement`, `periodic`, `traction`"},
+    {"servo_gain",
+     "of servo-control: displacement of a grain of the frame over its unbalanced force, over $1/E_n$; "
+     "above 0, below 1, default 0.1"},
+    {"servo_tolerance",
+     "norm of what it may leave unbalanced on the frame over the mean normal contact force; above "
+     "0, below 1, default 1e-4"},
+    {"servo_acceleration", "sweeps that Anderson's acceleration combines, 0 (default: none) to 8"},
     {"tolerance",
      "largest unbalanced force on a free grain (or moment over radius) over the mean normal contact "
      "force; above 0, below 1, default 1e-8"},

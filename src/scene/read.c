@@ -161,6 +161,9 @@ static gh_status read_micro(gh_scene *s, node root) {
   if (gh_yaml_has(n = gh_yaml_get(micro, "max_steps")))
     GH_TRY(gh_yaml_integer(n, "max_steps", 1, 2000000000, &s->micro.max_steps));
   if (gh_yaml_has(n = gh_yaml_get(micro, "accept"))) GH_TRY(gh_yaml_positive(n, "accept", &s->micro.accept));
+  GH_TRY(fraction(micro, "servo_gain", &s->micro.servo_gain));
+  GH_TRY(fraction(micro, "servo_tolerance", &s->micro.servo_tolerance));
+  GH_TRY(optional_integer(micro, "servo_acceleration", 0, GH_SERVO_DEPTH, &s->micro.servo_acceleration));
   GH_TRY(optional_integer(micro, "resident", 1, 1000000000, &s->resident));
   return fraction(micro, "tolerance", &s->micro.tolerance);
 }

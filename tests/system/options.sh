@@ -28,6 +28,7 @@ good_value() {
     *'overlap=X'*) echo overlap=0.01 ;;
     *'only be periodic'*) echo periodic ;;
     *'--engines are'*) echo native,gran ;;
+    *'x=traction,y=displacement'*) echo x=traction,y=displacement ;;
     *'must be '*) sed -n 's/.* must be \([a-z-]*\).*/\1/p' <<<"$1" ;;
     *) echo text ;;
   esac

@@ -410,6 +410,78 @@ static void ordering(void **state) {
   }
 }
 
+/* ---- servo-control ---- */
+
+/* The stress of a condition, from the packing as read; slip of the whole increment. */
+static void stress_of(gh_context *ctx, const gh_packing *p, const char *name, law l, gh_engine_kind engine,
+                      double tolerance, double gain, int depth, double P[4], double A[16], int *sweeps) {
+  const condition c = {name, NULL};
+  gh_rve_options o = options(ctx, &c, engine, l);
+  double F[4];
+  o.integration = GH_INTEGRATION_WHOLE;
+  o.servo_tolerance = tolerance, o.servo_gain = gain, o.servo_acceleration = depth;
+  gh_rve *r = open_rve(ctx, p, &o);
+  for (int k = 0; k <= 1; k++) {
+    deformation(0.002 * k, F);
+    OK(gh_rve_evaluate(r, F, k ? GH_WANT_TANGENT : 0, P, A));
+    if (!k) OK(gh_rve_commit(r));
+  }
+  *sweeps = gh_rve_measure(r)->sweeps;
+  gh_rve_destroy(&r);
+}
+
+/* Servo-control comes to the solution of the constraint, as near as its tolerance, with its tangent; Anderson's
+ * acceleration needs fewer sweeps; both engines agree. */
+static void servo(void **state) {
+  gh_context *ctx = *state;
+  static const char *const names[] = {"displacement", "frame-periodic", "traction"}, *const by_servo[] = {
+                                                                                         "servo-displacement",
+                                                                                         "servo-periodic",
+                                                                                         "servo-traction"};
+  gh_packing *p = case_packing(ctx, "p50d");
+  for (int c = 0; c < 3; c++) {
+    const law l = c == 1 ? SMOOTH : ROUGH;
+    double P[4], A[16], Q[4], B[16], last = INFINITY;
+    int sweeps, plain, fast;
+    stress_of(ctx, p, names[c], l, GH_ENGINE_NATIVE, 1e-4, 0.1, 0, P, A, &sweeps);
+    NEAR("sweeps", sweeps, 0, 0);
+    for (double tolerance = 1e-2; tolerance > 1e-9; tolerance *= 1e-2) {
+      stress_of(ctx, p, by_servo[c], l, GH_ENGINE_NATIVE, tolerance, 0.1, 5, Q, B, &fast);
+      const double off = distance(P, Q, 4) / norm(P, 4);
+      print_message("%s: tolerance %.0e, %d sweeps, stress off by %.2g, tangent by %.2g\n", by_servo[c],
+                    tolerance, fast, off, distance(A, B, 16) / norm(A, 16));
+      assert_true(off <= 10 * tolerance && off <= fmax(last, 1e-8));
+      last = off;
+    }
+    NEAR("tangent", distance(A, B, 16) / norm(A, 16), 0, 1e-5);
+    stress_of(ctx, p, by_servo[c], l, GH_ENGINE_NATIVE, 1e-4, 0.1, 0, Q, B, &plain);
+    stress_of(ctx, p, by_servo[c], l, GH_ENGINE_NATIVE, 1e-4, 0.1, 5, Q, B, &fast);
+    print_message("%s: %d sweeps, accelerated %d\n", by_servo[c], plain, fast);
+    assert_true(c == 0 ? plain == 1 && fast == 1 : fast > 1 && 2 * fast < plain);
+    if (!use_engine(GH_ENGINE_LAMMPS)) continue;
+    stress_of(ctx, p, by_servo[c], l, GH_ENGINE_LAMMPS, 1e-8, 0.1, 5, Q, B, &fast);
+    NEAR("engines", distance(P, Q, 4) / norm(P, 4), 0, 1e-6);
+  }
+  gh_packing_destroy(&p);
+}
+
+static void servo_gain(void **state) {
+  gh_context *ctx = *state;
+  const condition c = {"servo-periodic", NULL};
+  gh_packing *p = case_packing(ctx, "p50d");
+  gh_rve_options o = options(ctx, &c, GH_ENGINE_NATIVE, ROUGH);
+  const double F[4] = {0.99, 0, 0, 0.99};
+  double P[4];
+  gh_rve *r;
+  o.servo_gain = 1;
+  FAILS(gh_rve_create(ctx, p, &o, &r), GH_INPUT, "gain of 1 cannot converge");
+  o.servo_gain = 0.9;
+  r = open_rve(ctx, p, &o);
+  FAILS(gh_rve_evaluate(r, F, 0, P, NULL), GH_DIVERGED, "smaller gain");
+  gh_rve_destroy(&r);
+  gh_packing_destroy(&p);
+}
+
 /* ---- states and wrong input ---- */
 
 /* A state saved, and loaded into another RVE, continues to the last bit. */
@@ -463,6 +535,6 @@ static void refused(void **state) {
 int main(void) {
   const struct CMUnitTest tests[] = {TEST(square),      TEST(triangles),   TEST(areas),    TEST(identities),
                                      TEST(as_periodic), TEST(objectivity), TEST(tangents), TEST(ordering),
-                                     TEST(saved),       TEST(refused)};
+                                     TEST(servo),       TEST(servo_gain),  TEST(saved),    TEST(refused)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
