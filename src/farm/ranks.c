@@ -89,6 +89,7 @@ _Static_assert(sizeof(gh_contact) % sizeof(double) == 0 && sizeof(gh_friction) %
   X(x, 2, n)                                                                                                 \
   X(radius, 1, n)                                                                                            \
   X(theta, 1, n)                                                                                             \
+  X(support, 3, n)                                                                                           \
   X(contacts, 1, ncontacts)                                                                                  \
   X(friction, 1, ncontacts)                                                                                  \
   X(grain, 1, n) X(type, 1, n) X(id, 1, n) X(flags, 1, n)

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-2.0-or-later */
-/* Servo-control of a frame (docs/explanation/frames.md): its grains are held, and moved along what is unbalanced
+/* Servo-control of a frame (docs/explanation/frames.md): its grains are fixed, and moved along what is unbalanced
  * between sweeps of the relaxation of all others.
  *
  * That is a fixed-point iteration on the stiffness S of the frame, condensed onto its grains: it converges if the gain

@@ -14,12 +14,12 @@ for boundary in displacement frame-periodic traction 'mixed --mixed x=traction,y
   name=${boundary%% *}
   for engine in native lammps; do
     # shellcheck disable=SC2086
-    "$granhom" rve p50d.data --path path.csv --boundary $boundary $friction --engine $engine --dump $name.dump -o $name.$engine.csv --quiet 2>err
+    "$granhom" rve p50d.data --path path.csv --boundary $boundary $friction --engine $engine --dump $name.dump -o $name.$engine.csv 2>err
     say $? "rve --boundary $boundary, $engine"
   done
 done
 # shellcheck disable=SC2086
-"$granhom" rve p50d.data --path path.csv --boundary periodic $friction --engine native -o periodic.csv --quiet 2>err
+"$granhom" rve p50d.data --path path.csv --boundary periodic $friction --engine native -o periodic.csv 2>err
 /usr/bin/python3 - <<'E'
 import csv
 def last(name):
@@ -47,7 +47,7 @@ say $? 'columns, the other engine, the order of energies, supports in the dump'
 
 if has HDF5 'states'; then
   # shellcheck disable=SC2086
-  "$granhom" rve p50d.data --path path.csv --boundary mixed --mixed x=traction,y=periodic $friction --engine native -o whole.csv --save-state s.h5 --quiet 2>err
+  "$granhom" rve p50d.data --path path.csv --boundary mixed --mixed x=traction,y=periodic $friction --engine native -o whole.csv --save-state s.h5 2>err
   say $? 'a state is saved'
   # shellcheck disable=SC2086
   "$granhom" rve p50d.data --path path.csv --boundary mixed --mixed x=periodic,y=traction $friction --engine native --load-state s.h5 -o no.csv 2>err
@@ -103,7 +103,8 @@ for name in traction mixed; do
   say $? "$name: --no-share gives the same numbers"
   has MPI 'two ranks' || continue
   mpirun -n 2 "$granhom" run $name.yaml -o $name.two --quiet 2>err
-  cmp -s $name/history.csv $name.two/history.csv && cmp -s $name/rves.h5 $name.two/rves.h5
+  cmp -s $name/history.csv $name.two/history.csv && cmp -s $name/rves.h5 $name.two/rves.h5 &&
+    cmp -s $name/dumps/point_3.dump $name.two/dumps/point_3.dump
   say $? "$name: two ranks give the same numbers"
 done
 "$granhom" run traction.yaml -o stopped --quiet 2>err &
