@@ -185,23 +185,25 @@ $(PLUGIN): $(PLUGIN_SRC:%=$(BUILD)/%.o) scripts/granhomplugin.map
 	@$(CXX) -shared -Wl,--version-script=scripts/granhomplugin.map $(SAN) $(filter %.o,$^) $(if $(filter /usr/include/lammps,$(LAMMPS)),-llammps) -lumfpack -lm -o $@
 plugin: $(PLUGIN)
 
+# On all cores, unless make was started with -j: then it has its share of these.
+PARALLEL = $(if $(filter -j% --jobserver%,$(MAKEFLAGS)),,-j$$(nproc))
 export MPI HDF5 CC
 packages:
 	@scripts/install-packages.sh
 demo: packages
-	@$(MAKE) --no-print-directory -j$$(nproc) all
+	@$(MAKE) --no-print-directory $(PARALLEL) all
 	@scripts/demo.sh $(BUILD)
 check:
 	@scripts/install-packages.sh check
-	@$(MAKE) --no-print-directory -j$$(nproc) all lib plugin tests-only
+	@$(MAKE) --no-print-directory $(PARALLEL) all lib plugin tests-only
 	@BUILD=$(BUILD) tests/run.sh
 tests-only: $(TBIN) fuzz-targets
 fuzz-targets: $(FUZZ)
 bench: packages
-	@$(MAKE) --no-print-directory -j$$(nproc) all $(BENCH)
+	@$(MAKE) --no-print-directory $(PARALLEL) all $(BENCH)
 	@tests/bench/run.sh $(BUILD)
 asan:
-	@$(MAKE) --no-print-directory -j$$(nproc) BUILD=$(BUILD)-asan SAN="-fsanitize=address,undefined -fno-sanitize-recover=undefined" OPT=-O1 all tests-only
+	@$(MAKE) --no-print-directory $(PARALLEL) BUILD=$(BUILD)-asan SAN="-fsanitize=address,undefined -fno-sanitize-recover=undefined" OPT=-O1 all tests-only
 	@BUILD=$(BUILD)-asan SANITIZED=1 tests/run.sh
 # clang's libFuzzer, or gcc's sanitizers and a loop of our own; warnings are gcc's matter in the other builds.
 FUZZ_SECONDS ?= 3600
@@ -210,7 +212,7 @@ FUZZ_SEED ?= 1
 FUZZ_ONLY ?=
 HAS_LIBFUZZER = $(shell scripts/has-libfuzzer.sh && echo 1 || echo 0)
 fuzz-build:
-	@$(MAKE) --no-print-directory -j$$(nproc) BUILD=$(BUILD)-fuzz OPT=-O1 WARN=-w LIBFUZZER=$(HAS_LIBFUZZER) \
+	@$(MAKE) --no-print-directory $(PARALLEL) BUILD=$(BUILD)-fuzz OPT=-O1 WARN=-w LIBFUZZER=$(HAS_LIBFUZZER) \
 	  $(if $(filter 1,$(HAS_LIBFUZZER)),CC="$(FUZZ_CACHE) clang" CXX="$(FUZZ_CACHE) clang++" SAN="-fsanitize=address$(comma)undefined$(comma)fuzzer-no-link -fno-sanitize=vptr$(comma)function -fno-sanitize-recover=undefined",\
 	  SAN="-fsanitize=address$(comma)undefined -fno-sanitize-recover=undefined") all fuzz-targets
 fuzz:
@@ -218,7 +220,7 @@ fuzz:
 	@$(MAKE) --no-print-directory fuzz-build
 	@python3 tests/fuzz/run.py --build $(BUILD)-fuzz --seconds $(FUZZ_SECONDS) --jobs $(FUZZ_JOBS) --seed $(FUZZ_SEED) $(FUZZ_ONLY)
 valgrind:
-	@$(MAKE) --no-print-directory -j$$(nproc) BUILD=$(BUILD)-valgrind ARCH=-march=x86-64-v2 OPT=-O1 all tests-only
+	@$(MAKE) --no-print-directory $(PARALLEL) BUILD=$(BUILD)-valgrind ARCH=-march=x86-64-v2 OPT=-O1 all tests-only
 	@BUILD=$(BUILD)-valgrind tests/valgrind.sh
 # The tables of docs/reference from the program's own.
 .PHONY: docs
@@ -228,7 +230,7 @@ docs: all
 .PHONY: verification
 verification:
 	@scripts/install-packages.sh check
-	@$(MAKE) --no-print-directory -j$$(nproc) all $(BUILD)/tests/verify/test_rve_cases
+	@$(MAKE) --no-print-directory $(PARALLEL) all $(BUILD)/tests/verify/test_rve_cases
 	@scripts/block-study.sh $(BUILD)
 # Against an earlier commit; an hour.
 bitwise: all
@@ -237,19 +239,19 @@ bitwise: all
 .PHONY: faults
 faults:
 	@scripts/install-packages.sh check
-	@$(MAKE) --no-print-directory -j$$(nproc) all
+	@$(MAKE) --no-print-directory $(PARALLEL) all
 	@BUILD=$(BUILD) tests/faults/run.sh
 # The table of docs/reports/stability.md: some minutes.
 .PHONY: extreme
 extreme:
 	@scripts/install-packages.sh check
-	@$(MAKE) --no-print-directory -j$$(nproc) all $(patsubst %.c,$(BUILD)/%,$(wildcard tests/extreme/test_*.c))
+	@$(MAKE) --no-print-directory $(PARALLEL) all $(patsubst %.c,$(BUILD)/%,$(wildcard tests/extreme/test_*.c))
 	@scripts/extreme.sh $(BUILD)
 # The tables and pictures of docs/reports/error-vs-time.md: hours; QUICK=1: small versions in minutes, in $(BUILD)/studies/quick.
 .PHONY: study
 study:
 	@scripts/install-packages.sh check
-	@$(MAKE) --no-print-directory -j$$(nproc) all
+	@$(MAKE) --no-print-directory $(PARALLEL) all
 	@scripts/study.sh $(BUILD)
 bindir := $(PREFIX)/bin
 libdir := $(PREFIX)/lib

@@ -57,6 +57,9 @@ int cli_usage(const cli_command *command, const char *format, ...) GH_PRINTF(2, 
  * this process (elsewhere the LAMMPS engine does it, when it is used), MPI_Finalize at exit. GH_INPUT when
  * started on more than one rank and `single` is set, or this build has no MPI. */
 gh_status cli_mpi(gh_context *ctx, bool single);
+/* Open MPI's own needs where mpirun has not started this process, before MPI starts; and when it has ended. */
+gh_status cli_session_start(gh_context *ctx);
+void cli_session_end(void);
 /* MPI_Comm * of all ranks, for the library; NULL for a process of its own and in a build without MPI. */
 const void *cli_world(void);
 /* How many they are; 0 in a build without MPI. */

@@ -18,8 +18,8 @@ gh_status cli_mpi(gh_context *ctx, bool single) {
       return gh_fail(ctx, GH_INPUT,
                      "this granhom was built without MPI (make MPI=0) and was started on %s ranks", text);
   }
-  setenv("OMPI_MCA_ess_singleton_isolated", "1", 0); /* Open MPI under LAMMPS then starts no helper */
-  return GH_OK;
+  atexit(cli_session_end); /* after LAMMPS has ended MPI */
+  return cli_session_start(ctx);
 }
 
 const void *cli_world(void) {

@@ -23,20 +23,9 @@ int cli_rank(void) {
   return rank;
 }
 
-static gh_temporary session = {.lock = -1}; /* folder of this process for Open MPI's session */
-
 static void finalize(void) {
   if (under_way()) MPI_Finalize();
-  gh_temporary_remove(&session);
-}
-
-/* Open MPI keeps a folder for each session below one of the user, and processes that start and end at the
- * same time may remove it under each other. Each process gets one of its own. */
-static gh_status own_session(gh_context *ctx) {
-  if (getenv("OMPI_MCA_orte_tmpdir_base")) return GH_OK;
-  GH_TRY(gh_temporary_make(ctx, "mpi", &session));
-  setenv("OMPI_MCA_orte_tmpdir_base", session.folder, 1);
-  return GH_OK;
+  cli_session_end();
 }
 
 /* By mpirun or a batch system, as one of several ranks or alone. */
@@ -47,18 +36,12 @@ static bool launched(void) {
   return false;
 }
 
-/* Started by hand: if MPI is needed at all, it needs no helper process, which takes time and memory. */
-static gh_status prepare_alone(gh_context *ctx) {
-  setenv("OMPI_MCA_ess_singleton_isolated", "1", 0);
-  return own_session(ctx);
-}
-
 gh_status cli_mpi(gh_context *ctx, bool single) {
   int begun = 0;
   MPI_Initialized(&begun);
   if (!begun) {
     gh_h5_start();
-    if (!launched()) GH_TRY(prepare_alone(ctx));
+    if (!launched()) GH_TRY(cli_session_start(ctx));
     else if (MPI_Init(NULL, NULL) != MPI_SUCCESS) return gh_fail(ctx, GH_SYSTEM, "MPI cannot be started");
     atexit(finalize);
   }

@@ -15,7 +15,7 @@ format-check:
 TIDY := $(addsuffix .tidy,$(addprefix $(BUILD)/,$(SRC) $(MODULE_SRC) $(DRV)))
 tidy:
 	@scripts/install-packages.sh tidy
-	@$(MAKE) --no-print-directory -k -j$$(nproc) $(TIDY)
+	@$(MAKE) --no-print-directory -k $(PARALLEL) $(TIDY)
 	@echo "tidy: $(words $(TIDY)) files, no findings"
 # clang does not know some options of gcc, and its plain warnings are those of `make CC=clang`.
 TIDY_FLAGS = -Wno-unknown-warning-option -Wno-ignored-optimization-argument -w

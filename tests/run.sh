@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Runs all tests that `make check` has built, two at a time, and the scripts in tests/system. One line per program with its time, the
-# output of those that failed, and a sum as the last line. BUILD: the folder of the build; SANITIZED=1: it holds a sanitizer.
+# Runs all tests that `make check` has built, and the scripts in tests/system, two at a time, the longest first. One line per program with
+# its time, the output of those that failed, and a sum as the last line. BUILD: the folder of the build; SANITIZED=1: it holds a sanitizer.
 # SPDX-License-Identifier: GPL-2.0-or-later
 set -u
 cd "$(dirname "$0")/.." || exit 1
@@ -8,12 +8,15 @@ export BUILD=${BUILD:-build}
 export OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1 # containers run as root
 export OMPI_MCA_rmaps_base_oversubscribe=1 OMPI_MCA_mpi_yield_when_idle=1 # more ranks than cores
 export PRTE_MCA_rmaps_default_mapping_policy=:oversubscribe # the same for Open MPI 5
-export OMPI_MCA_btl=^tcp # the ranks of a test are on one machine, whose network may not be usable
+# The ranks of a test are on one machine, whose network may not be usable; looking for networks takes longer than starting LAMMPS.
+export OMPI_MCA_btl=^tcp,ofi,openib OMPI_MCA_pml=ob1
 export OMPI_MCA_btl_base_warn_component_unused=0 OMPI_MCA_btl_vader_single_copy_mechanism=none
 # What Open MPI, LAMMPS and CHOLMOD keep until the end is no leak of ours; tests/valgrind.sh looks for those. Sizes beyond all memory are
 # refused as they are without a sanitizer, and libraries may be loaded before it.
 export ASAN_OPTIONS=${ASAN_OPTIONS:-detect_leaks=0:allocator_may_return_null=1:verify_asan_link_order=0} UBSAN_OPTIONS=${UBSAN_OPTIONS:-print_stacktrace=1}
 export OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1
+# The jobs of `make -j check` are not those of make in a test, which would complain of it.
+MAKEFLAGS=$(sed -E 's/(^| )(-j[0-9]*|--jobserver-[a-z]+=[^ ]*)//g' <<<"${MAKEFLAGS:-}") && export MAKEFLAGS
 limit=${TEST_TIMEOUT:-1200} # seconds for one program
 jobs=${TEST_JOBS:-2}
 
@@ -67,7 +70,10 @@ run_one() {
 }
 export -f run_one count
 
+# Those of half a minute and more, so that none of them runs alone at the end.
+longest="fuzz lammps_changes kill_restart mpi_run lean options docs_commands restart rve report faults study foreign_files install files"
 {
+  for name in $longest; do printf '%s\0' "tests/system/$name.sh"; done
   for kind in unit verify extreme; do
     for source in tests/$kind/test_*.c; do
       # the Makefile does not build the test of HDF5 files without HDF5
@@ -76,7 +82,8 @@ export -f run_one count
     done
   done
   for script in tests/system/*.sh; do
-    [ -e "$script" ] && printf '%s\0' "$script"
+    name=${script##*/}
+    [[ " $longest " = *" ${name%.sh} "* ]] || printf '%s\0' "$script"
   done
 } >"$work/list"
 xargs -0 -n 1 -P "$jobs" bash -c 'run_one "$1"' run_one <"$work/list"

@@ -31,7 +31,7 @@ say() {
 begin() {
   export OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1 OMPI_MCA_rmaps_base_oversubscribe=1 # containers with one core
   export PRTE_MCA_rmaps_default_mapping_policy=:oversubscribe # the same for Open MPI 5
-  export OMPI_MCA_btl=^tcp                                                                              # and without a network
+  export OMPI_MCA_btl=^tcp,ofi,openib OMPI_MCA_pml=ob1 # and without a network
   BUILD=$(cd "${BUILD:-build}" && pwd) || exit 1
   root=$(pwd)
   granhom=$BUILD/granhom
