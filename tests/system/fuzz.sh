@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # A minute of `make fuzz`: each reader, and mutated scripts, scenes and studies through the program, for some seconds from a fixed seed.
-# With clang's libFuzzer and sanitizers where they are (the build is kept in build-fuzz), else with the build under test and random
-# changes. FUZZ_SAMPLE: seconds in all. SPDX-License-Identifier: GPL-2.0-or-later
+# With clang's libFuzzer and sanitizers where they are (a build without optimisation, kept in build/sample-fuzz), else with the build under
+# test and random changes. FUZZ_SAMPLE: seconds in all. SPDX-License-Identifier: GPL-2.0-or-later
 set -u
 . "$(dirname "$0")/../shell.sh" # ok, not_ok
 build=${BUILD:-build}
@@ -10,9 +10,9 @@ echo "# seed $seed"
 if [ -z "${SANITIZED:-}" ] && scripts/has-libfuzzer.sh; then
   cache=
   command -v ccache >/dev/null && cache=ccache
-  if make --no-print-directory fuzz-build BUILD="$build" FUZZ_CACHE=$cache >"$build/fuzz-build.log" 2>&1; then
+  if make --no-print-directory fuzz-build BUILD="$build/sample" FUZZ_OPT=-O0 FUZZ_CACHE=$cache >"$build/fuzz-build.log" 2>&1; then
     ok "the build with sanitizers"
-    build=$build-fuzz
+    build=$build/sample-fuzz
   else
     not_ok "the build with sanitizers" "$(grep -v '^  [A-Z]' "$build/fuzz-build.log" | tail -n 20)"
     exit 1

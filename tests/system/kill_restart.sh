@@ -13,7 +13,7 @@ packing: $packing
 contact: {normal_stiffness: 50}
 micro: {boundary: periodic, engine: native}
 start: {confinement: 0.3}
-mesh: {rectangle: {size: [10, 10], elements: [2, 2]}}
+mesh: {rectangle: {size: [10, 10], elements: [1, 1]}}
 supports: [{edge: left, fix: x}, {edge: bottom, fix: y}]
 steps:
   - {name: press, increments: 4, pressure: [{edge: right, to: 0.32, follow: true}, {edge: top, to: 0.31}]}

@@ -224,7 +224,7 @@ neighbor 0.2 bin
 neigh_modify every 1 delay 0 check yes
 pair_style $1
 pair_coeff $2
-timestep 0.001
+timestep 0.002
 fix 1 all nve/sphere disc
 fix 2 all gravity 1.0 vector 0 -1 0
 fix xw all wall/gran hooke/history 2000 NULL 50 NULL 0.5 0 xplane 0 8
@@ -234,7 +234,7 @@ region slab block 1 7 12 19 -0.5 0.5 units box
 fix ins all pour 40 1 4767548 vol 0.4 10 diam one 1.0 region slab
 fix 3 all enforce2d
 thermo_modify lost ignore norm no
-run 30000
+run 15000
 compute d all pair/local dist
 $local_input
 compute n all reduce min c_d \${inputs}
