@@ -9,10 +9,10 @@
 #include <stdio.h>
 #include <string.h>
 
-static void print_list(gh_text *out, const gh_term_list *list, const char *first) {
+static void print_list(gh_text *out, const gh_term_list *list) {
   for (const gh_term_list *l = list; l->title; l++) {
     gh_text_print(out, "%s### %s\n\n", l == list ? "" : "\n", l->title);
-    gh_terms_print(out, l->terms, first);
+    gh_terms_print(out, l->terms);
   }
 }
 
@@ -20,7 +20,7 @@ static void print_pack(gh_text *out) {
   pack_terms t;
   pack_terms_list(&t);
   const gh_term_list list[] = {{"packing file", t.terms}, {0}};
-  print_list(out, list, "key");
+  print_list(out, list);
 }
 
 static void print_element(gh_text *out) {
@@ -29,20 +29,20 @@ static void print_element(gh_text *out) {
                                       {"values of control", element_way_keys},
                                       {"repetition, in the place of a step", element_repeat_keys},
                                       {0}};
-  print_list(out, list, "key");
+  print_list(out, list);
 }
 
 static void print_scene(gh_text *out) {
-  print_list(out, gh_scene_keys(), "key");
+  print_list(out, gh_scene_keys());
 }
 
 static void print_study(gh_text *out) {
-  print_list(out, gh_study_keys(), "key");
+  print_list(out, gh_study_keys());
 }
 
 static void print_run_columns(gh_text *out) {
-  print_list(out, gh_results_columns(), "name");
-  print_list(out, gh_scene_columns(), "name");
+  print_list(out, gh_results_columns());
+  print_list(out, gh_scene_columns());
 }
 
 static void print_point_columns(gh_text *out) {
@@ -55,11 +55,11 @@ static void print_point_columns(gh_text *out) {
                                       {"OUT.csv of element, then", columns_control},
                                       {"--tangent", columns_tangent},
                                       {0}};
-  print_list(out, list, "column");
+  print_list(out, list);
 }
 
 static void print_study_columns(gh_text *out) {
-  print_list(out, gh_study_columns(), "column");
+  print_list(out, gh_study_columns());
 }
 
 static const struct {

@@ -50,7 +50,7 @@ shorten() {
     { list(); print }
     END { list() }'
 }
-# Help of commands is text; keys and columns are tables of Markdown.
+# Help of commands is text; keys and columns are lists in Markdown.
 block() {
   text=$("$granhom" help $1) || exit 1
   case $1 in

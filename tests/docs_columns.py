@@ -9,15 +9,15 @@ import h5py
 
 
 def documented(path):
-    """Names of each table, by its title."""
+    """Names of each list, by its title."""
     tables = {}
     title = ""
     with open(path, encoding="utf-8") as page:
         for line in page:
             if line.startswith("### "):
                 title = line[4:].strip()
-            elif line.startswith("| `"):
-                tables.setdefault(title, []).extend(re.findall(r"`([^`]*)`", line.split(" | ")[0]))
+            elif line.startswith("- `"):
+                tables.setdefault(title, []).extend(re.findall(r"`([^`]*)`", line.split(": ")[0]))
     return tables
 
 

@@ -153,8 +153,8 @@ typedef struct gh_term_list {
 } gh_term_list;
 /* The names, with `separator` between them. */
 GH_API void gh_terms_header(gh_text *out, const gh_term *terms, const char *separator);
-/* A table in Markdown, under the words `first` and "meaning". */
-GH_API void gh_terms_print(gh_text *out, const gh_term *terms, const char *first);
+/* A list in Markdown. */
+GH_API void gh_terms_print(gh_text *out, const gh_term *terms);
 
 /* ---- YAML (libyaml) ---- */
 

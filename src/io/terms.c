@@ -7,21 +7,13 @@ void gh_terms_header(gh_text *out, const gh_term *terms, const char *separator) 
     gh_text_print(out, "%s%s", t == terms ? "" : separator, t->name);
 }
 
-/* A bar would end the cell of the table. */
-static void cell_print(gh_text *out, const char *text) {
-  for (; *text; text++) gh_text_print(out, *text == '|' ? "\\|" : "%c", *text);
-}
-
-/* Terms without a text share the row of the one before them. */
-void gh_terms_print(gh_text *out, const gh_term *terms, const char *first) {
-  gh_text_print(out, "| %s | meaning |\n| --- | --- |\n", first);
+/* Terms without a text share the line of the one before them. */
+void gh_terms_print(gh_text *out, const gh_term *terms) {
   for (const gh_term *t = terms; t->name;) {
     const gh_term *described = t;
-    gh_text_print(out, "| `%s`", t->name);
+    gh_text_print(out, "- `%s`", t->name);
     for (t++; t->name && !*t->text; t++) gh_text_print(out, ", `%s`", t->name);
-    gh_text_print(out, " | ");
-    cell_print(out, described->text);
-    gh_text_print(out, " |\n");
+    gh_text_print(out, ": %s\n", described->text);
   }
 }
 
