@@ -62,20 +62,24 @@ static void stress_now(void *lmp, double s[4]) {
 }
 
 /* The tangent is the derivative of the relaxed stress at fixed state n, with friction and without, with one
- * relaxation step per time step and with many, damped and FIRE. LAMMPS's boxes allow F11, F12, F22; turning
+ * relaxation step per time step and with many, damped and FIRE, and with both laws of hardening. LAMMPS's boxes allow F11, F12, F22; turning
  * gives F21. */
 static void tangents(void **state) {
   gh_context *ctx = *state;
-  for (int k = 0; k < 4; k++) {
-    void *lmp = open_packing(ctx, "p50d", k ? "granhom/coulomb increment manual" : "granhom/normal",
-                             k ? "1000 800 0.3 20" : "1000");
+  static const char *const styles[] = {"granhom/normal", "granhom/coulomb increment manual",
+                                       "granhom/coulomb increment manual hardening proportional"};
+  for (int k = 0; k < 6; k++) {
+    void *lmp = open_packing(ctx, "p50d", styles[(k > 0) + (k > 3)],
+                             k > 3 ? "1000 800 0.3 100"
+                             : k   ? "1000 800 0.3 20"
+                                   : "1000");
     const double h = 1e-6;
     double A[16], S[4], worst = 0;
     command(ctx, lmp, "compute t all granhom/tangent");
     command(ctx, lmp,
-            k == 3   ? "fix r all granhom/relax tolerance 1e-11 inner yes method fire"
-            : k == 2 ? "fix r all granhom/relax tolerance 1e-11"
-                     : "fix r all granhom/relax tolerance 1e-11 inner yes");
+            k == 3            ? "fix r all granhom/relax tolerance 1e-11 inner yes method fire"
+            : k % 2 == 0 && k ? "fix r all granhom/relax tolerance 1e-11"
+                              : "fix r all granhom/relax tolerance 1e-11 inner yes");
     command(ctx, lmp, "run 100000 post no");
     for (int step = 0; step < 2; step++) {
       if (k) command(ctx, lmp, "fix_modify granhom_history commit yes");

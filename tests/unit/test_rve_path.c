@@ -205,17 +205,19 @@ static void tangent_behind_ramp(gh_context *ctx, gh_rve *rve, const double F[4],
 
 /* Shear of 20 grains until slip has no equilibrium over an increment: a ramp leads to one, the same each time. A
  * trial nearby counts slip from there, and the tangent, in which contacts at their limit slide, is its
- * derivative. Committed, it is a state like others. */
+ * derivative. Committed, it is a state like others. So it is with proportional hardening. */
 static void ramp_to_rest(void **state) {
   enum { STEPS = 400 };
   gh_context *ctx = *state;
   gh_packing *p = case_packing(ctx, "p20");
-  FOR_ENGINES(e) {
+  FOR_ENGINES(e) for (int hardens = 0; hardens < 2; hardens++) {
     gh_rve_options o = rve_options(e, GH_PERIODIC, 1, 1e-11);
     o.law = (gh_contact_law){.normal_stiffness = 1,
                              .friction = 1,
                              .tangential_stiffness = 0.8,
-                             .friction_coefficient = tan(17.5 * help_pi / 180)};
+                             .friction_coefficient = tan(17.5 * help_pi / 180),
+                             .hardening = hardens ? 0.5 : 0,
+                             .hardening_law = GH_HARDENING_PROPORTIONAL};
     gh_rve *rve;
     const gh_rve_measures *m;
     double F[4] = {0.97, 0, 0, 0.97}, P[4], Q[4], A[16], *near;
