@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Random paths of F to 5 % strain with friction: 100 paths x 5 packings x 3 coefficients x 3 stiffnesses over pressure, and the table of
 # docs/reports/stability.md of those that complete. scripts/random-paths.sh [BUILD [ONE_OF [FOLDER]]]: one of so many (20; 1: all
-# 4,500, hours), on all cores; results are kept in FOLDER (BUILD/random-paths), and what is there already is not repeated. Changes the
+# 4,500, half an hour on two idle cores), on all cores; results are kept in FOLDER (BUILD/random-paths), and what is there already is not repeated. Changes the
 # page where all are run. SPDX-License-Identifier: GPL-2.0-or-later
 set -u
 cd "$(dirname "$0")/.." || exit 1
