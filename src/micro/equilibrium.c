@@ -7,8 +7,6 @@
  * With friction relaxation may find none: then a ramp leads to F (ramp.c), or Newton out of a limit cycle. */
 #include "micro/internal.h"
 
-const double gh_rve_first_relaxation = 1e-5;
-
 static bool relaxation_has_finish(const gh_rve *r) {
   return r->options.relaxation == GH_RELAX_POLISHED;
 }

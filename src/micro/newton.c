@@ -5,6 +5,8 @@
 
 #include <string.h>
 
+const double gh_rve_first_relaxation = 1e-5;
+
 /* Numbers the unknowns at the current contacts and rattlers. */
 static gh_status unknowns_number(gh_rve *r) {
   const gh_solver_input in = gh_rve_solver_input(r);

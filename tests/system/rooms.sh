@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # Rooms of the code: no circle of calls between the files of a module nor between modules, and no module includes a header that is
-# another's own (scripts/circles.sh). LAMMPS's styles are left out. SPDX-License-Identifier: GPL-2.0-or-later
+# another's own (scripts/circles.sh; LAMMPS's styles are left out); no file and no function that is too long (scripts/lengths.sh).
+# SPDX-License-Identifier: GPL-2.0-or-later
 set -u
 build=${BUILD:-build}
 work=$(mktemp -d)
@@ -32,4 +33,19 @@ echo 'int a(void); int c(void); int c(void) { return a(); }' >src/two/c.c
 ${CC:-gcc} -c src/two/c.c -o build/src/two/c.c.o
 scripts/circles.sh build | grep -q '^circle of modules: one, two: one -> two (src/one/b.c: c); two -> one (src/two/c.c: a)$'
 say $? "a circle of two modules is found"
+cd - >/dev/null || exit 1
+
+if git rev-parse --is-inside-work-tree >/dev/null 2>&1; then
+  scripts/lengths.sh >"$work/long"
+  say $? "no file above 500 lines, no function above 60"
+  cat "$work/long"
+else
+  echo "skip - no git work tree: which files belong to the repository is not known"
+fi
+body() { for k in $(seq "$1"); do echo "  x += $k;"; done; }
+{ printf 'enum kind {\n  ONE,\n};\nstatic const int primes[] = {2,\n  3};\nint short_one(int x) {\n' && body 58 && printf '}\nint long_one(int x,\n             int y) {\n' && body 58 && echo '}'; } >"$work/long.c"
+yes '#' | head -n 501 >"$work/long.sh"
+[ "$(scripts/lengths.sh "$work/long.c" "$work/long.sh" | sed "s|$work/||")" = 'long.c:66: a function of 61 lines, above 60
+long.sh: 501 lines, above 500' ]
+say $? "a function of 61 lines and a file of 501 are found, one of 60 lines is not"
 exit $failed
