@@ -71,6 +71,9 @@ gh_context *cli_open(void) {
   return ctx;
 }
 
+const option_row cli_screen_rows[] = {
+    {.name = "quiet", .kind = OPTION_FLAG, .help = "only warnings and errors on the screen"}, {0}};
+
 static void warnings_only(void *data, gh_level level, const char *line) {
   (void)data;
   if (level == GH_LEVEL_WARNING) fprintf(stderr, "warning: %s\n", line);

@@ -33,7 +33,9 @@ extern const cli_command cli_run, cli_rve, cli_element, cli_study, cli_crosschec
 /* A context whose log and progress go to standard error: a rewritten line on a terminal, plain lines at most
  * every ten seconds elsewhere. NULL (after a message) when there is no memory. */
 gh_context *cli_open(void);
-/* Only warnings and errors from now on (--quiet). */
+/* --quiet, a bool, of all commands that may take long. */
+extern const option_row cli_screen_rows[];
+/* Only warnings and errors from now on. */
 void cli_quiet(gh_context *ctx);
 /* From now on the first SIGINT or SIGTERM is a request, which cli_stop reports; the second ends the program
  * at once: files on disk are whole at any time. */

@@ -14,6 +14,7 @@ typedef struct arguments {
   packing_options p;
   const char *path, *folder;
   gh_crosscheck_options o;
+  bool quiet;
 } arguments;
 
 typedef struct cross_job {
@@ -162,14 +163,14 @@ static gh_status crosscheck(cross_job *j) {
   const arguments *a = j->args;
   GH_TRY(gh_packing_read(j->ctx, a->p.packing, &j->packing));
   GH_TRY(path_read(j->ctx, a->path, &j->path));
-  GH_TRY(path_check(j->ctx, a->path, &j->path, &a->p.rve, j->packing));
+  GH_TRY(path_check(j->ctx, a->path, &j->path, &a->p.rve, a->p.packing, j->packing));
   GH_TRY(cli_mpi(j->ctx, true));
   GH_TRY(path_set(j));
   GH_TRY(gh_crosscheck_create(j->ctx, &a->o, &j->c));
   GH_TRY(gh_output_folder_check(j->ctx, a->folder));
   GH_TRY(gh_lock_create(j->ctx, a->folder, &j->lock));
   GH_TRY(gh_crosscheck_run(j->c, a->folder));
-  GH_TRY(table_print(j));
+  if (!a->quiet) GH_TRY(table_print(j));
   gh_status drawn = gh_crosscheck_draw(j->c, a->folder);
   if (drawn != GH_OK && drawn != GH_ENGINE) return drawn; /* a picture that cannot be written is missing */
   if (drawn != GH_OK) gh_log(j->ctx, GH_LEVEL_WARNING, "no picture: %s", gh_message(j->ctx));
@@ -187,6 +188,7 @@ static void job_free(cross_job *j) {
 
 static gh_status crosscheck_work(gh_context *ctx, void *data) {
   cross_job j = {.ctx = ctx, .args = data};
+  if (j.args->quiet) cli_quiet(ctx);
   signal(SIGPIPE, SIG_IGN); /* gnuplot may end early: its status reports it */
   gh_status status = crosscheck(&j);
   job_free(&j);
@@ -216,6 +218,7 @@ const cli_command cli_crosscheck = {
                                       {engine_rows, 0},
                                       {packing_contact_rows, offsetof(arguments, p)},
                                       {packing_solver_rows, offsetof(arguments, p)},
+                                      {cli_screen_rows, offsetof(arguments, quiet)},
                                       {0}},
     .noun = "packing",
     .missing = "which packing?",

@@ -21,7 +21,7 @@ typedef struct arguments {
   state_options state;
   const char *control, *path, *output;
   gh_control_options options;
-  bool stop_at_jumps;
+  bool stop_at_jumps, quiet;
 } arguments;
 
 typedef struct job {
@@ -107,7 +107,7 @@ static gh_status write_row(job *j, int load_step, const gh_control_report *r, do
   const gh_rve_measures *m = gh_rve_measure(j->rve);
   size_t row;
   gh_text_get(j->out, &row);
-  rve_table_row(j->out, j->row, m, seconds, &j->args->p.rve);
+  rve_table_row(j->out, j->row, m, gh_max(j->doubts.residual, m->residual), seconds, &j->args->p.rve);
   gh_text_print(j->out, ",%d,%.17g,%.17g,%d,%d,%d,%d,%.6g\n", load_step, gh_det2(m->F),
                 -(m->cauchy[0] + m->cauchy[3]) / 2, r->iterations, r->parts, r->cuts, r->jumps, r->mismatch);
   GH_TRY(gh_text_check_row(j->out, row, j->args->output ? j->args->output : "the result"));
@@ -193,12 +193,17 @@ static gh_status step(job *j, int number, gh_work *work, int before) {
   return GH_OK;
 }
 
+/* What an engine cannot take is the packing's fault. */
+static gh_status blame(job *j, gh_status status) {
+  return status == GH_INPUT ? gh_prefix(j->ctx, status, "%s: ", j->args->p.packing) : status;
+}
+
 static gh_status walk(job *j) {
   gh_work work;
   int before = 0;
   double start = gh_seconds();
   gh_control_report none = {.parts = 1, .iterations = 1};
-  GH_TRY(gh_control_start(j->control, gh_rve_F(j->rve)));
+  GH_TRY(blame(j, gh_control_start(j->control, gh_rve_F(j->rve))));
   GH_TRY(check_state(j));
   GH_TRY(write_row(j, 0, &none, gh_seconds() - start));
   gh_work_begin(j->ctx, &work, "element", "increments", j->spec.increments);
@@ -230,6 +235,9 @@ static gh_status element(job *j) {
   GH_TRY(cli_check_outputs(j->ctx, (const char *const[]){a->output, a->state.save}, 2));
   GH_TRY(cli_check_inputs_kept(j->ctx, (const char *const[]){a->output, a->state.save}, 2,
                                (const char *const[]){a->p.packing, a->control, a->path, a->state.load}, 4));
+  bool warned = false;
+  if (!a->state.load)
+    GH_TRY(gh_limits_check_packing(j->ctx, &a->p.rve, a->p.packing, j->packing, 1, 1, &warned));
   GH_TRY(element_spec_check(j->ctx, &j->spec, &a->p.rve, j->packing, a->state.load != NULL));
   packing_note(j->ctx, &a->p);
   GH_TRY(cli_mpi(j->ctx, true));
@@ -248,6 +256,7 @@ static gh_status element(job *j) {
 
 static gh_status element_work(gh_context *ctx, void *data) {
   job j = {.ctx = ctx, .args = data};
+  if (j.args->quiet) cli_quiet(ctx);
   gh_status status = element(&j);
   gh_control_destroy(&j.control);
   gh_rve_destroy(&j.rve);
@@ -276,6 +285,7 @@ const cli_command cli_element = {
                                       {packing_accept_rows, offsetof(arguments, p)},
                                       {control_rows, 0},
                                       {packing_state_rows, offsetof(arguments, state)},
+                                      {cli_screen_rows, offsetof(arguments, quiet)},
                                       {0}},
     .noun = "packing",
     .missing = "which packing?",

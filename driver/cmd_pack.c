@@ -80,10 +80,10 @@ static gh_status plane(gh_context *ctx, const pack_spec *spec, const gh_grains *
     GH_TRY_OR(gh_finish(ctx, p, &spec->soft, &soft, &report), done);
     gh_packing_destroy(&p);
     p = soft;
-    GH_TRY_OR(print_soft(ctx, &report), done);
+    if (!spec->quiet) GH_TRY_OR(print_soft(ctx, &report), done);
   }
   GH_TRY_OR(gh_hull_find(ctx, p, &hull), done);
-  print_hull(&hull, p);
+  if (!spec->quiet) print_hull(&hull, p);
   GH_TRY_OR(gh_packing_write(ctx, p, path, NULL, NULL), done);
   if (picture) status = gh_picture_packing(ctx, p, picture);
 done:
@@ -112,12 +112,14 @@ static gh_status one(gh_context *ctx, const pack_spec *spec, const ingredients *
   gh_grains *grains;
   o.seed = seed;
   GH_TRY(gh_packing_grow(ctx, spec->dim, from->n, from->diameter, from->type, &o, &grains, &r));
-  print_growth(spec, grains, &r, seed);
+  if (!spec->quiet) print_growth(spec, grains, &r, seed);
   gh_status status = deliver(ctx, spec, grains, path, picture);
   gh_grains_destroy(&grains);
   if (status != GH_OK) return status;
-  printf("written                %s\n", path);
-  fflush(stdout);
+  if (!spec->quiet) {
+    printf("written                %s\n", path);
+    fflush(stdout);
+  }
   if (o.volume_fraction > 0 && r.stop != GH_STOP_FRACTION)
     return gh_fail(ctx, GH_DIVERGED, "the volume fraction %g was not reached: %s at %.6f", o.volume_fraction,
                    gh_grow_stop_text(r.stop), r.volume_fraction);
@@ -174,6 +176,7 @@ static gh_status arguments_check(gh_context *ctx, void *data) {
 static gh_status pack_work(gh_context *ctx, void *data) {
   pack_spec *spec = data;
   ingredients from = {0};
+  if (spec->quiet) cli_quiet(ctx);
   GH_TRY(check_goal(ctx, spec));
   GH_TRY(check_files(ctx, spec));
   if (spec->finish) GH_TRY(cli_mpi(ctx, true));
@@ -196,7 +199,11 @@ const cli_command cli_pack = {
         "holds "
         "options as keys (volume_fraction: 0.8); options on the command line override it.\n",
     .notes = "Exit status: 0 done, 1 growth or equilibrium failed, 2 wrong input.\n",
-    .options = (const option_group[]){{pack_spec_rows, 0}, {pack_growth_rows, 0}, {pack_soft_rows, 0}, {0}},
+    .options = (const option_group[]){{pack_spec_rows, 0},
+                                      {pack_growth_rows, 0},
+                                      {pack_soft_rows, 0},
+                                      {cli_screen_rows, offsetof(pack_spec, quiet)},
+                                      {0}},
     .noun = "specification",
     .operand = offsetof(pack_spec, file),
     .size = sizeof(pack_spec),

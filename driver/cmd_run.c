@@ -142,7 +142,7 @@ const cli_command cli_run = {
              "the increment before.\n",
     .options = (const option_group[]){{folder_rows, offsetof(arguments, f)},
                                       {rows, 0},
-                                      {folder_screen_rows, offsetof(arguments, f)},
+                                      {cli_screen_rows, offsetof(arguments, f.quiet)},
                                       {0}},
     .noun = "scene",
     .missing = "a scene file is needed",

@@ -23,7 +23,7 @@ typedef struct arguments {
   packing_options p;
   state_options state;
   const char *path, *output, *tangent, *dump;
-  bool estimate;
+  bool estimate, quiet;
 } arguments;
 
 typedef struct job {
@@ -108,7 +108,7 @@ static gh_status write_row(job *j, long step, const double A[16]) {
   gh_text_get(j->out, &row);
   if (j->tangent) gh_text_get(j->tangent, &tangent_row);
   const gh_rve_measures *m = gh_rve_measure(j->rve);
-  rve_table_row(j->out, step, m, m->seconds, &j->args->p.rve);
+  rve_table_row(j->out, step, m, j->doubts.residual, m->seconds, &j->args->p.rve);
   if (j->args->p.rve.law.friction) gh_text_print(j->out, ",%d", j->ramps);
   gh_text_print(j->out, ",%d,%d", j->events, j->newton);
   gh_text_print(j->out, "\n");
@@ -213,6 +213,7 @@ static gh_status walk(job *j) {
     j->rows += status == GH_OK;
     memcpy(from, F, sizeof from);
     if (status != GH_OK) gh_prefix(j->ctx, status, "step %ld: ", step);
+    if (status == GH_INPUT) gh_prefix(j->ctx, status, "%s: ", j->args->p.packing);
     gh_work_advance(j->ctx, &work, row + 1);
     if (status == GH_OK && (row == 0 || gh_seconds() - j->written > WRITE_EVERY))
       status = write_files(j, false);
@@ -241,7 +242,7 @@ static gh_status rve(job *j) {
   GH_TRY(cli_check_outputs(j->ctx, (const char *const[]){a->output, a->tangent, a->dump, a->state.save}, 4));
   GH_TRY(cli_check_inputs_kept(j->ctx, (const char *const[]){a->output, a->tangent, a->dump, a->state.save},
                                4, (const char *const[]){a->p.packing, a->path, a->state.load}, 3));
-  GH_TRY(path_check(j->ctx, a->path, &j->path, &a->p.rve, j->packing));
+  GH_TRY(path_check(j->ctx, a->path, &j->path, &a->p.rve, a->p.packing, j->packing));
   packing_note(j->ctx, &a->p);
   GH_TRY(cli_mpi(j->ctx, true));
   const gh_status fits = gh_rve_check_packing(j->ctx, j->packing, &a->p.rve);
@@ -261,6 +262,7 @@ static gh_status rve(job *j) {
 
 static gh_status rve_work(gh_context *ctx, void *data) {
   job j = {.ctx = ctx, .args = data};
+  if (j.args->quiet) cli_quiet(ctx);
   gh_status status = rve(&j);
   gh_rve_destroy(&j.rve);
   gh_rve_destroy(&j.whole);
@@ -290,6 +292,7 @@ const cli_command cli_rve = {
                                       {packing_accept_rows, offsetof(arguments, p)},
                                       {more_rows, 0},
                                       {packing_state_rows, offsetof(arguments, state)},
+                                      {cli_screen_rows, offsetof(arguments, quiet)},
                                       {0}},
     .noun = "packing",
     .missing = "which packing?",

@@ -81,7 +81,7 @@ const cli_command cli_study = {
         "a run (no memory, a program that is not installed), or the study was stopped; 2 wrong input.\n",
     .options = (const option_group[]){{folder_rows, offsetof(arguments, f)},
                                       {rows, 0},
-                                      {folder_screen_rows, offsetof(arguments, f)},
+                                      {cli_screen_rows, offsetof(arguments, f.quiet)},
                                       {0}},
     .noun = "study",
     .missing = "a study file is needed",

@@ -20,7 +20,7 @@ const gh_term columns_point[] = {
     {"energy", "stored energy per reference area"},
     {"contacts", "number of contacts"},
     {"rattlers", "number of floating grains"},
-    {"residual", "largest unbalanced force over the mean normal contact force"},
+    {"residual", "largest unbalanced force over the mean normal contact force, in any substep"},
     {"seconds", "time of the evaluation"},
     {0}};
 

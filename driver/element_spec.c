@@ -86,7 +86,8 @@ static gh_status read_way(node n, const char *key, element_step *step, int k) {
   }
   double value;
   if (!there || !gh_parse_number(text, &value))
-    return gh_yaml_fail(n, "%s must be a number, hold, {to: x}, {by: x} or {times: x}", key);
+    return gh_yaml_fail(n, "%s must be a number, hold, {to: x}, {by: x} or {times: x}%s", key,
+                        there ? gh_number_hint(text) : "");
   step->value[k] = value;
   return GH_OK;
 }
@@ -176,14 +177,14 @@ static gh_status read_steps(gh_context *ctx, node list, int depth, element_spec 
 gh_status element_spec_read(gh_context *ctx, const char *path, element_spec *spec) {
   gh_yaml *doc;
   *spec = (element_spec){.path = path};
-  GH_TRY(gh_yaml_read(ctx, path, &doc));
+  GH_TRY(gh_file_expect(ctx, gh_yaml_read(ctx, path, &doc), path, GH_FILE_CONTROL));
   node root = gh_yaml_root(doc);
   gh_status status = gh_yaml_is_map(root)
                          ? gh_yaml_terms(root, element_keys)
                          : gh_yaml_fail(root, "a control file is a map with the key 'steps'");
   if (status == GH_OK) status = read_steps(ctx, gh_yaml_get(root, "steps"), 0, spec);
   gh_yaml_destroy(&doc);
-  return status;
+  return gh_file_expect(ctx, status, path, GH_FILE_CONTROL);
 }
 
 /* ---- CSV ---- */
@@ -214,7 +215,7 @@ gh_status element_spec_read_path(gh_context *ctx, const char *path, element_spec
   element_step step = {.increments = 1};
   int column[4];
   *spec = (element_spec){.path = path};
-  GH_TRY(gh_csv_read(ctx, path, &csv));
+  GH_TRY(gh_file_expect(ctx, gh_csv_read(ctx, path, &csv), path, GH_FILE_CONDITIONS));
   gh_status status = read_columns(ctx, path, csv, &step, column);
   for (int row = 0; row < csv->nrows && status == GH_OK; row++) {
     snprintf(step.name, sizeof step.name, "%s:%d", path, csv->line[row]);
@@ -224,5 +225,5 @@ gh_status element_spec_read_path(gh_context *ctx, const char *path, element_spec
     status = add(ctx, spec, &step);
   }
   gh_csv_destroy(&csv);
-  return status;
+  return gh_file_expect(ctx, status, path, GH_FILE_CONDITIONS);
 }

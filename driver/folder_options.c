@@ -15,12 +15,6 @@ const option_row folder_rows[] = {{.name = "output",
                                    .help = "reports what would be computed, and how, and computes nothing"},
                                   {0}};
 
-const option_row folder_screen_rows[] = {{.name = "quiet",
-                                          .kind = OPTION_FLAG,
-                                          .place = offsetof(folder_options, quiet),
-                                          .help = "only warnings and errors on the screen"},
-                                         {0}};
-
 gh_status folder_check(gh_context *ctx, void *options) {
   const folder_options *o = options;
   if (o->folder || o->explain) return GH_OK;

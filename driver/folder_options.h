@@ -10,8 +10,7 @@ typedef struct folder_options {
   bool explain, quiet;
 } folder_options;
 
-extern const option_row folder_rows[];        /* the folder, --explain */
-extern const option_row folder_screen_rows[]; /* --quiet */
+extern const option_row folder_rows[]; /* the folder, --explain */
 /* GH_INPUT: no folder, and something to write. */
 gh_status folder_check(gh_context *ctx, void *options);
 /* Signals and screen of a long command, after its options are read. */

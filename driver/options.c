@@ -33,7 +33,8 @@ void option_wanted(const option_row *row, char text[160]) {
 static gh_status value_refuse(gh_context *ctx, const option_row *row, const char *where, const char *text) {
   char wanted[160];
   option_wanted(row, wanted);
-  return gh_fail(ctx, GH_INPUT, "%s must be %s, not \"%s\"", where, wanted, text);
+  const char *hint = row->kind == OPTION_CHOICE ? "" : gh_number_hint(text);
+  return gh_fail(ctx, GH_INPUT, "%s must be %s, not \"%s\"%s", where, wanted, text, hint);
 }
 
 static gh_status number_set(gh_context *ctx, const option_row *row, const char *where, const char *text,

@@ -319,10 +319,10 @@ static gh_status map_read(gh_context *ctx, const char *path, gh_yaml_node root, 
 
 gh_status pack_spec_read(gh_context *ctx, const char *path, pack_spec *spec) {
   gh_yaml *doc;
-  GH_TRY(gh_yaml_read(ctx, path, &doc));
+  GH_TRY(gh_file_expect(ctx, gh_yaml_read(ctx, path, &doc), path, GH_FILE_GROWTH));
   gh_status status = map_read(ctx, path, gh_yaml_root(doc), spec);
   gh_yaml_destroy(&doc);
-  return status;
+  return gh_file_expect(ctx, status, path, GH_FILE_GROWTH);
 }
 
 /* ---- together ---- */

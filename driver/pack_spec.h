@@ -17,7 +17,7 @@ typedef struct pack_spec {
   gh_grow_options grow;    /* rate NAN until pack_spec_complete */
   double cell[3], tilt[3]; /* tilt: xy xz yz */
   int cells, tilts;        /* numbers given */
-  bool finish;
+  bool finish, quiet;
   gh_finish_options soft;       /* of --finish */
   double stiffness, anisotropy; /* NAN and -1: not given; into `soft` by pack_spec_complete */
   int finish_cell, engine;

@@ -22,7 +22,7 @@ long path_step(const path_rows *path, int row) {
   return (long)step_number(path, row);
 }
 
-gh_status path_read(gh_context *ctx, const char *file, path_rows *path) {
+static gh_status rows_read(gh_context *ctx, const char *file, path_rows *path) {
   static const char *const names[] = {"step", "F11", "F12", "F21", "F22"};
   GH_TRY(gh_csv_read(ctx, file, &path->csv));
   const gh_csv *p = path->csv;
@@ -45,12 +45,22 @@ gh_status path_read(gh_context *ctx, const char *file, path_rows *path) {
   return GH_OK;
 }
 
+gh_status path_read(gh_context *ctx, const char *file, path_rows *path) {
+  return gh_file_expect(ctx, rows_read(ctx, file, path), file, GH_FILE_PATH);
+}
+
 gh_status path_check(gh_context *ctx, const char *file, const path_rows *path, const gh_rve_options *options,
-                     const gh_packing *packing) {
+                     const char *packing_file, const gh_packing *packing) {
   const double fraction = gh_packing_volume_fraction(packing);
+  double F[4], least = INFINITY, most = 0;
+  bool warned = false;
+  for (int row = 0; row < path->csv->nrows; row++) {
+    path_F(path, row, F);
+    least = fmin(least, gh_det2(F)), most = fmax(most, gh_det2(F));
+  }
+  GH_TRY(gh_limits_check_packing(ctx, options, packing_file, packing, least, most, &warned));
   for (int row = 0; row < path->csv->nrows; row++) {
     char where[512];
-    double F[4];
     path_F(path, row, F);
     snprintf(where, sizeof where, "%s:%d", file, path->csv->line[row]);
     GH_TRY(gh_limits_check_F(ctx, options, where, F, fraction));

@@ -18,9 +18,9 @@ extern const option_row path_option[];
 /* Reads and checks: GH_INPUT with file and line when a column is missing, there is no row, det F <= 0 or a
  * step is no integer. */
 gh_status path_read(gh_context *ctx, const char *file, path_rows *path);
-/* Whether a packing can follow (granhom/limits.h). GH_INPUT with file and line. */
+/* Whether a packing, as read, can follow (granhom/limits.h). GH_INPUT with file and line. */
 gh_status path_check(gh_context *ctx, const char *file, const path_rows *path, const gh_rve_options *options,
-                     const gh_packing *packing);
+                     const char *packing_file, const gh_packing *packing);
 void path_F(const path_rows *path, int row, double F[4]);
 long path_step(const path_rows *path, int row); /* the row's number when there is no column for it */
 

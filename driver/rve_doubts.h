@@ -7,7 +7,8 @@
 
 /* Of the substeps of one increment; zero at the start. */
 typedef struct rve_doubts {
-  double residual; /* the largest of those accepted unconverged; 0: none were */
+  double residual; /* the largest */
+  double accepted; /* the largest of those accepted unconverged; 0: none were */
 } rve_doubts;
 
 /* A substep in equilibrium, before it is committed. */

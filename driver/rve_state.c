@@ -151,7 +151,7 @@ gh_status rve_state_load(gh_context *ctx, const char *path, gh_rve *rve, const g
   gh_h5 *file;
   double *memory = NULL;
   gh_status status;
-  GH_TRY(gh_h5_read(ctx, path, KIND, NULL, &file));
+  GH_TRY(gh_file_expect(ctx, gh_h5_read(ctx, path, KIND, NULL, &file), path, GH_FILE_STATE));
   GH_TRY_OR(gh_alloc(ctx, 4 + 3 * (size_t)packing->n, sizeof *memory, &memory), done);
   GH_TRY_OR(check_boundary(ctx, path, file, options), done);
   GH_TRY_OR(check_packing(ctx, path, file, packing, memory), done);

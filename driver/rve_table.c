@@ -27,13 +27,13 @@ void rve_table_header(gh_text *out, const gh_rve_options *o) {
   more_columns(out, gh_rve_has_servo(o), columns_servo);
 }
 
-void rve_table_row(gh_text *out, long step, const gh_rve_measures *m, double seconds,
+void rve_table_row(gh_text *out, long step, const gh_rve_measures *m, double residual, double seconds,
                    const gh_rve_options *o) {
   const double *const blocks[] = {m->F, m->P, m->cauchy};
   gh_text_print(out, "%ld", step);
   for (int b = 0; b < 3; b++)
     for (int k = 0; k < 4; k++) gh_text_print(out, ",%.17g", blocks[b][k]);
-  gh_text_print(out, ",%.17g,%d,%d,%.17g,%.6g", m->energy, m->contacts, m->rattlers, m->residual, seconds);
+  gh_text_print(out, ",%.17g,%d,%d,%.17g,%.6g", m->energy, m->contacts, m->rattlers, residual, seconds);
   if (o->law.friction) gh_text_print(out, ",%.17g,%.17g,%d", m->energy_t, m->dissipation, m->sliding);
   if (gh_rve_has_frame(o)) gh_text_print(out, ",%.17g", m->couple);
   if (gh_rve_has_servo(o)) gh_text_print(out, ",%d", m->sweeps);

@@ -11,9 +11,10 @@
 /* The option --output of the table, a const char *. */
 extern const option_row rve_table_option[];
 
-/* Names and values, without the end of the line. Of energy_t, dissipation and sliding with friction alone. */
+/* Names and values, without the end of the line. Of energy_t, dissipation and sliding with friction alone.
+ * residual: the largest of the increment's substeps. */
 void rve_table_header(gh_text *out, const gh_rve_options *options);
-void rve_table_row(gh_text *out, long step, const gh_rve_measures *m, double seconds,
+void rve_table_row(gh_text *out, long step, const gh_rve_measures *m, double residual, double seconds,
                    const gh_rve_options *options);
 
 /* Writes a table, whole, into its file or, when it is the last time, on standard output (path NULL or "-").

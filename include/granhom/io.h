@@ -17,9 +17,38 @@ extern "C" {
 GH_API bool gh_parse_number(const char *text, double *value);
 GH_API bool gh_parse_integer(const char *text, long low, long high, long *value);
 
+/* Why a word that was meant as a number is probably none, as an end of the message: " (a comma: ...)". "" when
+ * nothing comes to mind. */
+GH_API const char *gh_number_hint(const char *text);
+
 /* The word of a NULL-terminated list that a mistyped one is nearest to, by letters to insert, drop or
  * replace; NULL when none is near (more than 1 + a third of its letters apart). */
 GH_API const char *gh_nearest(const char *word, const char *const *known);
+
+/* ---- kinds of files ---- */
+
+typedef enum gh_file_kind {
+  GH_FILE_UNKNOWN,
+  GH_FILE_PACKING,
+  GH_FILE_SCENE,
+  GH_FILE_STUDY,
+  GH_FILE_CONTROL,    /* of an element test */
+  GH_FILE_GROWTH,     /* of `granhom pack` */
+  GH_FILE_PATH,       /* of F */
+  GH_FILE_CONDITIONS, /* the table of an element test */
+  GH_FILE_SIEVE,
+  GH_FILE_MESH,
+  GH_FILE_STATE,
+  GH_FILE_BINARY,
+  GH_FILE_DUMP,
+  GH_FILE_SCRIPT,
+  GH_FILE_XML,
+  GH_FILE_PICTURE,
+  GH_FILE_KINDS
+} gh_file_kind;
+/* Returns the status of a reader of `wanted`. Where that is GH_INPUT and the file is evidently of another kind,
+ * the message becomes one that names both, and who takes the file. */
+GH_API gh_status gh_file_expect(gh_context *ctx, gh_status status, const char *path, gh_file_kind wanted);
 
 /* ---- CSV: a header line and rows of numbers ---- */
 

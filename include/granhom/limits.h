@@ -35,7 +35,10 @@ typedef struct gh_limits {
   double stress;           /* ... above, refused */
   double planned_fraction; /* volume fraction that a prescribed F leads to */
   double expansion;        /* det F: no packing is followed so far */
-  double stretch;          /* least stretch between two prescribed edges of a body */
+  /* of packings as read, whose grains do not touch */
+  double loose;   /* volume fraction below which they are warned of */
+  double sparse;  /* ... refused: a dense packing in a cell ten times too large has 0.009 */
+  double stretch; /* least stretch between two prescribed edges of a body */
 } gh_limits;
 /* The values are in src/micro/limits.c. By options->allow_overlap: infinite, all of accepted states; a
  * number, the mean overlap: above the default without limits on the volume fraction and engulfed grains. What
@@ -75,6 +78,11 @@ GH_API gh_status gh_limits_check_F(gh_context *ctx, const gh_rve_options *option
 /* The same for det F alone, as `what` ("volume"). */
 GH_API gh_status gh_limits_check_volume(gh_context *ctx, const gh_rve_options *options, const char *where,
                                         const char *what, double det, double fraction);
+/* Checks a packing as read from a file. least, most: of det F where that is prescribed, else 1 (F = 1 counts always). At most one
+ * warning as long as *warned is false: no contacts, or centres within other grains. GH_INPUT: "FILE: ..." the
+ * grains fill too much of the cell, or next to nothing of it, at each of these det F. */
+GH_API gh_status gh_limits_check_packing(gh_context *ctx, const gh_rve_options *options, const char *file,
+                                         const gh_packing *packing, double least, double most, bool *warned);
 /* The likely cause of a wrong F, in a sentence. */
 GH_API extern const char gh_limits_undeformed[];
 /* Areas of the grains over that of the cell, as read. */

@@ -60,10 +60,6 @@ const char *gh_unprintable(const char *text, char name[GH_QUOTE]);
 
 /* ---- number.c ---- */
 
-/* Why a word that was meant as a number is probably none, as an end of the message: " (a decimal comma;
- * ...)". "" when nothing comes to mind. */
-const char *gh_number_hint(const char *text);
-
 /* Numbers are read and written with a decimal point whatever the locale of the program is. A begin belongs to
  * each end. */
 typedef struct gh_c_locale {

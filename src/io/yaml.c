@@ -95,9 +95,29 @@ static int compare_keys(const void *a, const void *b) {
   return order ? order : (p->node > q->node) - (p->node < q->node);
 }
 
+/* {y: -0,2} is a map of y: -0 and of a key 2 without a value. */
+static gh_status check_comma(const gh_yaml *doc, const yaml_node_pair_t *before,
+                             const yaml_node_pair_t *pair) {
+  const gh_yaml_node key = {.doc = doc, .node = pair->key};
+  const yaml_node_t *whole = get(doc, before->value), *part = get(doc, pair->key),
+                    *value = get(doc, pair->value);
+  char quoted[2][GH_QUOTE];
+  long ignored;
+  double number;
+  if (whole->type != YAML_SCALAR_NODE || part->type != YAML_SCALAR_NODE || value->type != YAML_SCALAR_NODE ||
+      value->data.scalar.length > 0)
+    return GH_OK;
+  if (!gh_parse_integer(text_of(whole), LONG_MIN, LONG_MAX, &ignored) ||
+      !gh_parse_number(text_of(part), &number))
+    return GH_OK;
+  return gh_yaml_fail(key, "%s,%s has a comma: a decimal point is wanted, and no sign between thousands",
+                      gh_quote(text_of(whole), quoted[0]), gh_quote(text_of(part), quoted[1]));
+}
+
 static gh_status check_keys(const gh_yaml *doc, const yaml_node_t *map) {
   const yaml_node_pair_t *pair = map->data.mapping.pairs.start;
   size_t n = (size_t)(map->data.mapping.pairs.top - pair);
+  for (size_t k = 1; k < n; k++) GH_TRY(check_comma(doc, pair + k - 1, pair + k));
   key_place *keys;
   gh_status s = gh_alloc(doc->ctx, n, sizeof *keys, &keys);
   for (size_t k = 0; k < n && s == GH_OK; k++) {
@@ -355,7 +375,8 @@ gh_status gh_yaml_number(gh_yaml_node node, const char *what, double low, double
   double v;
   GH_TRY(plain(node, what, "a number", &text));
   if (!gh_parse_number(text, &v))
-    return gh_yaml_fail(node, "%s: '%s' is not a finite number", what, gh_quote(text, quoted));
+    return gh_yaml_fail(node, "%s: '%s' is not a finite number%s", what, gh_quote(text, quoted),
+                        gh_number_hint(text));
   if (v >= low && v <= high) {
     *value = v;
     return GH_OK;
@@ -374,7 +395,7 @@ gh_status gh_yaml_integer(gh_yaml_node node, const char *what, long low, long hi
   gh_quote(text, quoted);
   if (gh_parse_integer(text, low, high, value)) return GH_OK;
   if (!gh_parse_integer(text, LONG_MIN, LONG_MAX, &v))
-    return gh_yaml_fail(node, "%s: '%s' is not an integer", what, quoted);
+    return gh_yaml_fail(node, "%s: '%s' is not an integer%s", what, quoted, gh_number_hint(text));
   if (v < low) return gh_yaml_fail(node, "%s is %s, it must be at least %ld", what, quoted, low);
   return gh_yaml_fail(node, "%s is %s, it must be at most %ld", what, quoted, high);
 }
@@ -406,12 +427,27 @@ gh_status gh_yaml_text(gh_yaml_node node, const char *what, const char **value) 
   return GH_OK;
 }
 
+/* Of a list of integers that is too long: [0,5, 1]. */
+static const char *comma_hint(gh_yaml_node list, int n) {
+  long ignored;
+  const int length = gh_yaml_length(list);
+  for (int k = 0; k < length; k++) {
+    const gh_yaml_node item = gh_yaml_item(list, k);
+    if (!gh_yaml_is_scalar(item) ||
+        !gh_parse_integer(text_of(get(item.doc, item.node)), LONG_MIN, LONG_MAX, &ignored))
+      return "";
+  }
+  return length > n ? " (with decimal commas? a decimal point is wanted)" : "";
+}
+
 gh_status gh_yaml_numbers(gh_yaml_node node, const char *what, int n, double *values) {
   if (!gh_yaml_has(node)) return gh_yaml_fail(node, "%s is missing, a list of %d numbers is wanted", what, n);
   if (!gh_yaml_is_list(node))
     return gh_yaml_fail(node, "%s is %s, a list of %d numbers is wanted", what, gh_yaml_kind(node), n);
   int length = gh_yaml_length(node);
-  if (length != n) return gh_yaml_fail(node, "%s has %d items, %d numbers are wanted", what, length, n);
+  if (length != n)
+    return gh_yaml_fail(node, "%s has %d items, %d numbers are wanted%s", what, length, n,
+                        comma_hint(node, n));
   for (int k = 0; k < n; k++) {
     char item[GH_QUOTE + 32], quoted[GH_QUOTE];
     snprintf(item, sizeof item, "%s, item %d", gh_quote(what, quoted), k + 1);

@@ -160,5 +160,5 @@ gh_status gh_mesh_read_gmsh(gh_context *ctx, const char *path, gh_mesh **mesh) {
   if (status != GH_OK) gh_mesh_destroy(mesh);
 done:
   gh_msh_free(&g);
-  return status;
+  return gh_file_expect(ctx, status, path, GH_FILE_MESH);
 }

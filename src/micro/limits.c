@@ -18,6 +18,8 @@ static const gh_limits defaults = {.overlap_warned = 0.05,
                                    .stress = 0.5,
                                    .planned_fraction = 1.5,
                                    .expansion = 100,
+                                   .loose = 0.5,
+                                   .sparse = 0.01,
                                    .stretch = 0.1};
 /* Tensions below this share of the stiffness are round-off of a stress of zero. */
 static const double round_off = 1e-9;
@@ -179,4 +181,65 @@ double gh_packing_volume_fraction(const gh_packing *p) {
   double area = 0;
   for (int i = 0; i < p->n; i++) area += acos(-1) * p->radius[i] * p->radius[i];
   return area / gh_det2(p->cell);
+}
+
+/* ---- packings as read ---- */
+
+/* Fewer grains that touch each other may be alone in a large cell. */
+enum { FEW_GRAINS = 10 };
+static const char *const lengths_cause = "the likely cause is units (diameters, positions and cell must be "
+                                         "in the same one), or radii for diameters";
+
+/* Contacts between grains as read, and those with an overlap above the smaller radius. */
+typedef struct contact_counts {
+  int all, engulfed;
+} contact_counts;
+
+static gh_status count_contacts(gh_context *ctx, const gh_packing *p, contact_counts *counts) {
+  const gh_engine_setup setup = {
+      .n = p->n, .radius = p->radius, .periodic = true, .law = {.normal_stiffness = 1}};
+  gh_contact_list list;
+  gh_engine *engine = NULL;
+  gh_status status;
+  *counts = (contact_counts){0};
+  GH_TRY_OR(gh_engine_create(ctx, GH_ENGINE_NATIVE, &setup, &engine), done);
+  GH_TRY_OR(gh_engine_set(engine, p->cell, p->x, NULL), done);
+  GH_TRY_OR(gh_engine_contacts(engine, &list), done);
+  counts->all = list.count;
+  for (int c = 0; c < list.count; c++) {
+    const gh_contact *q = &list.contacts[c];
+    counts->engulfed += q->overlap > fmin(p->radius[q->i], p->radius[q->j]);
+  }
+done:
+  gh_engine_destroy(&engine);
+  return status;
+}
+
+gh_status gh_limits_check_packing(gh_context *ctx, const gh_rve_options *o, const char *file,
+                                  const gh_packing *p, double least, double most, bool *warned) {
+  const gh_limits l = gh_limits_of(o);
+  const double fraction = gh_packing_volume_fraction(p);
+  contact_counts now;
+  if (!(fraction / fmax(most, 1) <= l.planned_fraction))
+    return gh_fail(ctx, GH_INPUT, "%s: the grains fill %.3g of the cell, above the limit %g: %s", file,
+                   fraction, l.planned_fraction, lengths_cause);
+  gh_status status = count_contacts(ctx, p, &now);
+  if (status != GH_OK) return gh_prefix(ctx, status, "%s: ", file);
+  if (!(fraction / fmin(least, 1) >= l.sparse) && (now.all == 0 || p->n >= FEW_GRAINS))
+    return gh_fail(ctx, GH_INPUT, "%s: the grains fill %.3g of the cell, below the limit %g: %s", file,
+                   fraction, l.sparse, lengths_cause);
+  if (*warned) return GH_OK;
+  *warned = now.engulfed > l.engulfed || (now.all == 0 && fraction < l.loose);
+  if (now.engulfed > l.engulfed)
+    gh_log(ctx, GH_LEVEL_WARNING,
+           "%s: of %d contacts as read %d have an overlap above the smaller radius, and relaxation makes "
+           "another packing of it; %s",
+           file, now.all, now.engulfed, lengths_cause);
+  else if (*warned)
+    gh_log(
+        ctx, GH_LEVEL_WARNING,
+        "%s: the grains fill %.3g of the cell, and none touch: there is no stress before F closes the gaps; "
+        "%s",
+        file, fraction, lengths_cause);
+  return GH_OK;
 }

@@ -74,8 +74,11 @@ static gh_status check_places(gh_context *ctx, const char *path, const gh_packin
   double area = 0;
   for (int i = 0; i < p->n; i++) area += acos(-1) * p->radius[i] * p->radius[i];
   if (!(area <= most_filled * gh_det2(p->cell)))
-    return gh_fail(ctx, GH_INPUT, "%s: the grains fill the cell %.3g times, at most %g is possible", path,
-                   area / gh_det2(p->cell), most_filled);
+    return gh_fail(
+        ctx, GH_INPUT,
+        "%s: the grains fill the cell %.3g times, at most %g is possible; the likely cause is units "
+        "(diameters and cell must be in the same one)",
+        path, area / gh_det2(p->cell), most_filled);
   place *all;
   GH_TRY(gh_alloc(ctx, (size_t)p->n, sizeof *all, &all));
   for (int i = 0; i < p->n; i++) all[i] = (place){{p->x[2 * i], p->x[2 * i + 1]}, i};
@@ -125,7 +128,7 @@ static gh_status fill(gh_context *ctx, const char *path, const gh_lammps_data *d
 gh_status gh_packing_read(gh_context *ctx, const char *path, gh_packing **packing) {
   *packing = NULL;
   gh_lammps_data *data;
-  GH_TRY(gh_lammps_data_read(ctx, path, &data));
+  GH_TRY(gh_file_expect(ctx, gh_lammps_data_read(ctx, path, &data), path, GH_FILE_PACKING));
   gh_packing *p = NULL;
   entry *order = NULL;
   gh_status status;

@@ -141,8 +141,8 @@ gh_status gh_sieve_counts(gh_context *ctx, const gh_sieve *sieve, int dim, int t
   for (int k = 0; k < sieve->n; k++) own += sieve->amount[k];
   if (total == 0) {
     if (sieve->kind != GH_SIEVE_COUNT)
-      return gh_fail(ctx, GH_INPUT, "a sieve curve in percent needs a number of grains, at least %.0f",
-                     least);
+      return gh_fail(ctx, GH_INPUT,
+                     "a sieve curve in percent needs a number of grains: --count N, at least %.0f", least);
     if (own > INT_MAX / 8)
       return gh_fail(ctx, GH_INPUT, "%.0f grains are too many, at most %d", own, INT_MAX / 8);
     for (int k = 0; k < sieve->n; k++) count[k] = (int)sieve->amount[k];
@@ -151,7 +151,7 @@ gh_status gh_sieve_counts(gh_context *ctx, const gh_sieve *sieve, int dim, int t
   if (total < least)
     return gh_fail(
         ctx, GH_INPUT,
-        "%d grains are too few for one of each fraction of the sieve curve: at least %.0f are needed "
+        "%d grains are too few for one of each fraction of the sieve curve: --count must be at least %.0f "
         "in %d dimensions",
         total, least, dim);
   GH_TRY(gh_alloc(ctx, (size_t)sieve->n, sizeof *share, &share));

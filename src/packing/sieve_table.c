@@ -226,12 +226,13 @@ gh_status gh_sieve_read(gh_context *ctx, const char *path, gh_sieve **sieve) {
   double *memory;
   int *line = NULL;
   *sieve = NULL;
-  GH_TRY(gh_csv_read_with(ctx, path, GH_CSV_PERCENT | GH_CSV_PAN, &csv));
-  gh_status status = gh_alloc(ctx, 3 * (size_t)csv->nrows, sizeof(double), &memory);
+  gh_status status = gh_csv_read_with(ctx, path, GH_CSV_PERCENT | GH_CSV_PAN, &csv);
+  if (status != GH_OK) return gh_file_expect(ctx, status, path, GH_FILE_SIEVE);
+  status = gh_alloc(ctx, 3 * (size_t)csv->nrows, sizeof(double), &memory);
   if (status == GH_OK) status = gh_alloc(ctx, (size_t)csv->nrows, sizeof *line, &line);
   if (status == GH_OK) status = read_table(ctx, path, csv, memory, line, sieve);
   free(memory);
   free(line);
   gh_csv_destroy(&csv);
-  return status;
+  return gh_file_expect(ctx, status, path, GH_FILE_SIEVE);
 }

@@ -30,7 +30,7 @@ gh_status gh_finish_parse(gh_context *ctx, const char *text, gh_finish_options *
     return gh_fail(ctx, GH_INPUT, "'%s' is no way to finish a packing: overlap=X or pressure=P", text);
   const char *number = strchr(text, '=') + 1;
   if (!gh_parse_number(number, &o->target) || !(o->target > 0))
-    return gh_fail(ctx, GH_INPUT, "'%s': '%s' is no positive number", text, number);
+    return gh_fail(ctx, GH_INPUT, "'%s': '%s' is no positive number%s", text, number, gh_number_hint(number));
   if (overlap && !(o->target < 1))
     return gh_fail(ctx, GH_INPUT, "'%s': the mean overlap must be below the mean radius, that is below 1",
                    text);

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-2.0-or-later */
 /* The packings of a scene, and which of them is at which integration point. */
+#include "granhom/limits.h"
 #include "packing/random.h"
 #include "scene/read.h"
 
@@ -8,8 +9,8 @@
 
 enum { MOST_PACKINGS = 100000 };
 
-/* The number of the packing in this file, which is read where it is new. */
-static gh_status need_packing(gh_scene *s, node n, const char *folder, int *number) {
+/* The number of the packing in this file, which is read where it is new. *warned: of gaps between grains. */
+static gh_status need_packing(gh_scene *s, node n, const char *folder, bool *warned, int *number) {
   const char *name;
   GH_TRY(gh_yaml_text(n, "packing", &name));
   char *path = gh_path_join(folder, name);
@@ -22,6 +23,8 @@ static gh_status need_packing(gh_scene *s, node n, const char *folder, int *numb
   *number = s->npackings;
   s->packing_paths[s->npackings] = path;
   gh_status status = gh_packing_read(s->ctx, path, &s->packings[s->npackings]);
+  if (status == GH_OK)
+    status = gh_limits_check_packing(s->ctx, &s->micro, path, s->packings[s->npackings], 1, 1, warned);
   s->npackings++;
   if (status != GH_OK) gh_prefix(s->ctx, status, "%s:%d: packing: ", gh_yaml_path(n), gh_yaml_line(n));
   return status;
@@ -29,7 +32,7 @@ static gh_status need_packing(gh_scene *s, node n, const char *folder, int *numb
 
 /* The files of a list: *numbers of their packings. */
 static gh_status read_files(gh_scene *s, node list, const char *folder, int **numbers, int *count) {
-  bool single = gh_yaml_is_scalar(list);
+  bool single = gh_yaml_is_scalar(list), warned = false;
   *count = single ? 1 : gh_yaml_length(list);
   if (*count < 1) return gh_yaml_fail(list, "packing is an empty list");
   if (*count > MOST_PACKINGS)
@@ -38,7 +41,7 @@ static gh_status read_files(gh_scene *s, node list, const char *folder, int **nu
   GH_TRY(gh_alloc(s->ctx, (size_t)*count, sizeof *s->packings, &s->packings));
   GH_TRY(gh_alloc(s->ctx, (size_t)*count, sizeof *s->packing_paths, &s->packing_paths));
   for (int k = 0; k < *count; k++)
-    GH_TRY(need_packing(s, single ? list : gh_yaml_item(list, k), folder, *numbers + k));
+    GH_TRY(need_packing(s, single ? list : gh_yaml_item(list, k), folder, &warned, *numbers + k));
   return GH_OK;
 }
 

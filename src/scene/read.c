@@ -402,7 +402,7 @@ gh_status gh_scene_read_with(gh_context *ctx, const char *path, int n, const gh_
   gh_yaml *doc = NULL;
   char *folder = NULL;
   gh_status status = gh_yaml_read(ctx, path, &doc);
-  if (status != GH_OK) return status;
+  GH_TRY_OR(status, done);
   GH_TRY_OR(gh_alloc(ctx, 1, sizeof **scene, scene), done);
   gh_scene *s = *scene;
   s->ctx = ctx;
@@ -428,7 +428,7 @@ done:
   free(folder);
   gh_yaml_destroy(&doc);
   if (status != GH_OK) gh_scene_destroy(scene);
-  return status;
+  return gh_file_expect(ctx, status, path, GH_FILE_SCENE);
 }
 
 static void destroy_step(scene_step *step) {

@@ -129,7 +129,7 @@ static gh_status read_file(gh_context *ctx, node n, const char *folder, long ref
   GH_TRY(gh_yaml_text(n, "file", &name));
   char *file = gh_path_join(folder, name);
   if (!file) return gh_fail(ctx, GH_MEMORY, "no memory for a path");
-  gh_status status = gh_csv_read(ctx, file, &csv);
+  gh_status status = gh_file_expect(ctx, gh_csv_read(ctx, file, &csv), file, GH_FILE_PATH);
   if (status == GH_OK && csv->nrows < 1) status = gh_fail(ctx, GH_INPUT, "%s: the path has no rows", file);
   if (status == GH_OK) status = add_rows(ctx, n, csv, file, refine, p);
   gh_csv_destroy(&csv);

@@ -242,9 +242,16 @@ static gh_status hash_rve(gh_context *ctx, const gh_study *s, node rve, const wa
 }
 
 /* Whether the packing can follow. */
-static gh_status check_path(gh_context *ctx, node path, const study_problem *p) {
+static gh_status check_path(gh_context *ctx, node path, const char *file, const study_problem *p) {
   const double fraction = gh_packing_volume_fraction(p->packing);
+  double least = INFINITY, most = 0;
+  bool warned = false;
   char where[512];
+  for (int k = 0; k < p->path.rows; k++) {
+    const double det = gh_det2(p->path.F + 4 * k);
+    least = fmin(least, det), most = fmax(most, det);
+  }
+  GH_TRY(gh_limits_check_packing(ctx, &p->rve, file, p->packing, least, most, &warned));
   for (int k = 0; k < p->path.rows; k++) {
     snprintf(where, sizeof where, "%s:%d: path, t = %g", gh_yaml_path(path), gh_yaml_line(path),
              p->path.t[k]);
@@ -267,9 +274,9 @@ static gh_status read_rve(gh_context *ctx, const gh_study *s, gh_yaml *doc, cons
   p->rve.engine = GH_ENGINE_LAMMPS;
   GH_TRY(gh_scene_read_material(rve, ctx, &p->rve));
   GH_TRY(gh_packing_read(ctx, w->packing, &p->packing));
+  GH_TRY(check_path(ctx, path, w->packing, p));
   const gh_status status = gh_rve_check_packing(ctx, p->packing, &p->rve);
-  if (status != GH_OK) return gh_prefix(ctx, status, "%s: ", w->packing);
-  return check_path(ctx, path, p);
+  return status == GH_OK ? GH_OK : gh_prefix(ctx, status, "%s: ", w->packing);
 }
 
 static gh_status open_rve(gh_context *ctx, const gh_study *s, const wanted *w, study_problem *p) {

@@ -409,7 +409,7 @@ static gh_status read_root(gh_study *s, node root) {
 gh_status gh_study_read(gh_context *ctx, const char *path, bool quick, gh_study **study) {
   *study = NULL;
   gh_yaml *doc = NULL;
-  GH_TRY(gh_yaml_read(ctx, path, &doc));
+  GH_TRY(gh_file_expect(ctx, gh_yaml_read(ctx, path, &doc), path, GH_FILE_STUDY));
   gh_status status = gh_alloc(ctx, 1, sizeof **study, study);
   if (status == GH_OK) {
     gh_study *s = *study;
@@ -420,7 +420,7 @@ gh_status gh_study_read(gh_context *ctx, const char *path, bool quick, gh_study 
   }
   gh_yaml_destroy(&doc);
   if (status != GH_OK) gh_study_destroy(study);
-  return status;
+  return gh_file_expect(ctx, status, path, GH_FILE_STUDY);
 }
 
 static void destroy_parameters(gh_study *s) {

@@ -36,6 +36,18 @@ native --path swapped.csv -o swapped_out.csv 2>/dev/null
 check "columns of the path are found by name, steps are counted" diff <(results out.csv) <(results swapped_out.csv)
 native --friction-angle 20 --path path.csv --max-steps 20 --accept 100 -o taken.csv >said 2>&1
 check "--accept accepts a packing unconverged, and reports it" test $? = 0 -a "$(grep -c 'accepted unconverged, with a residual of' said)" = 3
+awk 'BEGIN { print "F11,F12,F21,F22"; for (k = 0; k <= 8; k++) printf "%.17g,%.17g,0,1\n", 1 - k / 256, k / 128 }' >halves.csv
+awk 'NR == 1 || NR % 2 == 0' halves.csv >wholes.csv
+for way in "--tolerance 1e-8" "--friction-angle 20 --max-steps 20 --accept 100"; do
+  native $way --path halves.csv -o halves_out.csv 2>/dev/null
+  native $way --path wholes.csv --estimate-error -o wholes_out.csv >said 2>&1
+  check "the residual is the largest of an increment's substeps ($way)" awk -F, 'FNR == 1 { next } NR == FNR { r[FNR] = $17; next }
+    FNR > 2 { n++; a = r[2 * FNR - 3]; b = r[2 * FNR - 2]; first += a > b; if ($17 != (a > b ? a : b)) exit 1 } END { exit !(n == 4 && first) }' halves_out.csv wholes_out.csv
+done
+check "as in the warning of states accepted unconverged" awk -F, 'NR == FNR { if (sub(/.*step /, "") && sub(/: accepted unconverged, with a residual of /, ",")) { w[$1] = $2; n++ } next }
+  FNR > 2 { if (sprintf("%.2g", $17) != w[$1]) exit 1; m++ } END { exit !(n == 4 && m == 4) }' said wholes_out.csv
+native --quiet --path path.csv -o quiet.csv >said 2>&1
+check "--quiet: the same results, and not a word" test $? = 0 -a ! -s said -a -z "$(diff <(results out.csv) <(results quiet.csv))"
 for boundary in taylor taylor-cell restricted periodic; do
   check "boundary $boundary" native --boundary $boundary --path path.csv -o $boundary.csv
 done

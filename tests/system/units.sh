@@ -108,6 +108,56 @@ printf 'steps:\n  - {name: a, increments: 3, control: {F11: {by: -0.13}, F22: {b
 said 1 'element stops at a state beyond the limits' 'a, increment ' element "$p" --control control.yaml --normal-stiffness 50 --engine native -o e.csv
 check 'its rows before are on disk' test "$(rows e.csv)" -ge 2
 
+# --- packings in other units than their cell ---
+atoms() { awk -v CONVFMT=%.17g "/^Atoms/ { inside = 1 } inside && NF >= 7 { $1 } { print }" "$p"; } # of p, changed by awk
+cell() { awk -v CONVFMT=%.17g -v by="$1" '/[xy]lo [xy]hi/ { $1 *= by; $2 *= by } { print }' "$p"; }
+isotropic 1 0.99 >path.csv
+controlled='s11: -0.1, s22: -0.1, s12: 0'
+read_of() { # PACKING: a scene and a study of it
+  printf 'packing: %s\ncontact: {normal_stiffness: 50}\nmesh: {rectangle: {size: [1, 1], elements: [1, 1]}}\n' "$1" >u.yaml
+  printf 'start: {confinement: 0.01}\nsupports: [{edge: left, fix: x}, {edge: bottom, fix: y}]\nsteps: [{increments: 1, displace: [{edge: top, y: -0.01}]}]\n' >>u.yaml
+  printf 'rve: {packing: %s, contact: {normal_stiffness: 50}, path: {legs: [{to: [0.99, 0, 0, 0.99], increments: 2}]}}\n' "$1" >us.yaml
+  printf 'vary: {micro.tolerance: [1e-3]}\nreference: {set: {micro.tolerance: 1e-8}}\n' >>us.yaml
+  control "$controlled"
+}
+misread() { # NAME FILE WORDS: all commands refuse the packing in FILE
+  read_of "$2"
+  for words in "$2: the grains fill" "$3"; do
+    refused_by rve "$1, rve" "$words" "../$2" --path ../path.csv -o out.csv
+    refused_by crosscheck "$1, crosscheck" "$words" "../$2" --path ../path.csv -o out
+    refused_by element "$1, element" "$words" "../$2" --control ../control.yaml --normal-stiffness 50 -o out.csv
+    refused_by run "$1, run" "$words" ../u.yaml -o out
+    refused_by run "$1, run --explain" "$words" ../u.yaml --explain
+    refused_by study "$1, study" "$words" ../us.yaml -o out
+  done
+}
+atoms '$3 *= 1e-3' >um.data
+misread 'diameters in m, cell in mm' um.data 'fill 8.4e-07 of the cell, below the limit 0.01: the likely cause is units'
+atoms '$3 /= 10' >cm.data
+misread 'diameters in cm, cell in mm' cm.data 'fill 0.0084 of the cell, below the limit 0.01'
+cell 1000 >wide.data
+misread 'a cell in um, grains in mm' wide.data 'fill 8.4e-07 of the cell, below the limit 0.01'
+cell 1e-6 >narrow.data
+misread 'a cell in km, grains in mm' narrow.data 'times, at most 20 is possible; the likely cause is units'
+atoms '$3 *= 2' >twice.data
+misread 'diameters of diameters' twice.data 'fill 3.36 of the cell, above the limit 1.5: the likely cause is units'
+atoms '$3 /= 2' >half.data
+said 0 'radii for diameters are warned of' 'half.data: the grains fill 0.21 of the cell, and none touch' rve half.data --path path.csv --engine native -o h.csv
+atoms '$5 *= 1e-3; $6 *= 1e-3' >heap.data
+said 0 'positions in m, cell in mm are warned of' 'heap.data: of 11175 contacts as read 11175 have an overlap above the smaller radius' rve heap.data --path path.csv --engine native -o h.csv
+read_of "$p"
+said 0 'the packing itself is not' '' rve "$p" --path path.csv --engine native -o h.csv
+check 'no warning' test "$(warnings)" = 0
+isotropic 1 0.9 0.8 >close.csv
+said 0 'a path that closes the gaps is followed' 'none touch' rve cm.data --path close.csv --engine native -o h.csv
+# a few grains that touch may be alone, but not where LAMMPS has no room for it
+printf 'two\n\n2 atoms\n1 atom types\n\n0 1 xlo xhi\n0 1 ylo yhi\n-0.5 0.5 zlo zhi\n\nAtoms # sphere\n\n1 1 1e-4 1 0.5 0.5 0\n2 1 1e-4 1 0.50009 0.5 0\n' >two.data
+said 0 'two grains that touch in a large cell' '' rve two.data --path path.csv --boundary taylor-cell --engine native -o h.csv
+if "$granhom" --version | grep -q '^LAMMPS [0-9]'; then
+  refused_by rve 'a cell too large for LAMMPS' 'two.data: step 0: the cell of 1 by 1 is too large for LAMMPS with grains of diameter 0.0001: both must be in the same unit' ../two.data --path ../path.csv --boundary taylor-cell -o out.csv
+  refused_by element 'a cell too large for LAMMPS, element' 'two.data: the cell of 1 by 1 is too large for LAMMPS' ../two.data --control ../control.yaml -o out.csv
+fi
+
 # --- pressures of a packing ---
 soft() { said "$1" "$2" "$3" pack --sieve "$root/scenes/block/sieve150.csv" --finish "pressure=$4" --normal-stiffness 50 -o soft.data; }
 soft 0 'pack: a pressure above 0.05 of the stiffness is warned of' 'the pressure, 3, is 0.06 of the normal stiffness 50' 3

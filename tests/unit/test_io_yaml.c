@@ -159,7 +159,10 @@ static void wrong_values_have_messages(void **state) {
       {TEXT, "[x]", "a is a list, a text is wanted"},
       {NUMBERS, "1", "a is a single value, a list of 2 numbers is wanted"},
       {NUMBERS, "[1]", "a has 1 items, 2 numbers are wanted"},
-      {NUMBERS, "[1, 2, 3]", "a has 3 items, 2 numbers are wanted"},
+      {NUMBERS, "[1, 2, .5]", "a has 3 items, 2 numbers are wanted"},
+      {NUMBERS, "[0,5, 3]",
+       "a has 3 items, 2 numbers are wanted (with decimal commas? a decimal point is wanted)"},
+      {NUMBERS, "[-3]", "a has 1 items, 2 numbers are wanted"},
       {NUMBERS, "[1, x]", "a, item 2: 'x' is not a finite number"},
   };
   place *p = *state;

@@ -136,10 +136,64 @@ static void volumes_are_limited(void **state) {
         "F = 1 is undeformed");
 }
 
+static void note_line(void *data, gh_level level, const char *line) {
+  if (level == GH_LEVEL_WARNING) snprintf(data, 512, "%s", line);
+}
+
+/* n equal disks side by side in a square cell of size 1, each `gap` diameters from the next. */
+static void packing_checked(gh_context *ctx, gh_boundary b, int n, double fraction, double gap,
+                            const double det[2], const char *words, const char *warning) {
+  enum { MOST = 16 };
+  static const double one[4] = {1, 0, 0, 1};
+  double radius[MOST], x[2 * MOST];
+  const double r = sqrt(fraction / (n * help_pi));
+  gh_rve_options o = rve_options(GH_ENGINE_NATIVE, b, 100, 1e-10);
+  char last[512] = "";
+  bool warned = false;
+  assert_true(n <= MOST);
+  for (int i = 0; i < n; i++) radius[i] = r, x[2 * i] = 2 * r * (1 + gap) * i, x[2 * i + 1] = 0;
+  gh_packing *p = make_packing(ctx, n, one, radius, x);
+  gh_set_log(ctx, note_line, last);
+  gh_status s = gh_limits_check_packing(ctx, &o, "f", p, det[0], det[1], &warned);
+  gh_set_log(ctx, NULL, NULL);
+  if (words) FAILS(s, GH_INPUT, words);
+  else OK(s);
+  assert_int_equal(warned, warning != NULL);
+  if (warning) assert_non_null(strstr(last, warning));
+  gh_packing_destroy(&p);
+}
+
+/* A packing as read: what it fills of the cell, whether its grains touch. */
+static void packings_are_limited(void **state) {
+  gh_context *ctx = *state;
+  static const double none[2] = {1, 1}, compression[2] = {0.25, 1}, expansion[2] = {1, 4};
+  for (const gh_boundary *b = all_boundaries; b < all_boundaries + 4; b++) {
+    packing_checked(ctx, *b, 1, 0.78, 0, none, NULL, NULL);
+    packing_checked(ctx, *b, 2, 0.0101, 0.01, none, NULL, "f: the grains fill 0.0101 of the cell, and none");
+    packing_checked(ctx, *b, 2, 0.0099, 0.01, none, "f: the grains fill 0.0099 of the cell, below the", NULL);
+    packing_checked(ctx, *b, 2, 0.0099, 0.01, expansion, "below the limit 0.01", NULL);
+    packing_checked(ctx, *b, 2, 0.0099, 0.01, compression, NULL, "none touch");
+    packing_checked(ctx, *b, 2, 0.0099, -0.01, none, NULL, NULL); /* two that touch */
+    packing_checked(ctx, *b, 9, 1e-6, -0.01, none, NULL, NULL);
+    packing_checked(ctx, *b, 10, 1e-6, -0.01, none, "below the limit 0.01", NULL);
+    packing_checked(ctx, *b, 1, 0.499, 0, none, NULL, "none touch");
+    packing_checked(ctx, *b, 1, 0.501, 0, none, NULL, NULL);
+    packing_checked(ctx, *b, 1, 1.49, 0, none, NULL, NULL);
+    packing_checked(ctx, *b, 1, 1.51, 0, none, "the grains fill 1.51 of the cell, above the limit 1.5", NULL);
+    packing_checked(ctx, *b, 1, 1.6, 0, expansion, NULL, NULL);
+    packing_checked(ctx, *b, 1, 6.1, 0, expansion, "above the limit 1.5", NULL);
+    packing_checked(ctx, *b, 1, 1.51, 0, compression, "above the limit 1.5", NULL);
+  }
+  packing_checked(ctx, GH_PERIODIC, 3, 0.3, -0.49, none, NULL, NULL);
+  packing_checked(ctx, GH_PERIODIC, 3, 0.3, -0.51, none, NULL,
+                  "of 3 contacts as read 2 have an overlap above");
+  packing_checked(ctx, GH_TAYLOR, 3, 0.3, -0.51, none, NULL, NULL);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {TEST(overlaps_of_lattices),        TEST(overlaps_are_limited),
                                      TEST(a_shear_is_not_limited),      TEST(volume_fractions_are_limited),
                                      TEST(engulfed_grains_are_limited), TEST(stresses_are_limited),
-                                     TEST(volumes_are_limited)};
+                                     TEST(volumes_are_limited),         TEST(packings_are_limited)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

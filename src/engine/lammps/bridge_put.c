@@ -108,7 +108,9 @@ static gh_status check_bins(const bridge *e) {
   double bin = largest + SKIN * mean / 2, width[2] = {high[0] - low[0] + 4 * bin, high[1] - low[1] + 4 * bin};
   if (e->periodic) width[0] = e->t[0], width[1] = e->t[3];
   if (width[0] / bin * (width[1] / bin) <= most_bins) return GH_OK;
-  return gh_fail(e->ctx, GH_INPUT, "the %s of %g by %g is too large for LAMMPS with grains of diameter %g",
+  return gh_fail(e->ctx, GH_INPUT,
+                 "the %s of %g by %g is too large for LAMMPS with grains of diameter %g: both must be in the "
+                 "same unit (the native engine has no such limit)",
                  e->periodic ? "cell" : "packing", width[0], width[1], 2 * largest);
 }
 
