@@ -173,6 +173,33 @@ out=file/below
 bad 'an output directory below a file' 'file: .*(file|folder|directory)'
 out=
 
+# Decimal commas: in a map they make a key of their own
+with steps <<'E'
+steps: [{increments: 1, displace: [{edge: top, y: -0,2}]}]
+E
+bad 'a decimal comma in a displacement' 'scene.yaml:[0-9]+: -0,2 has a comma: a decimal point is wanted'
+with steps <<'E'
+steps: [{increments: 1, displace: [{edge: top, x: 0,1, y: -0,1}]}]
+E
+bad 'two decimal commas' 'scene.yaml:[0-9]+: 0,1 has a comma: a decimal point is wanted'
+with start <<'E'
+start: {confinement: 1,5e-2}
+E
+bad 'a decimal comma and an exponent' 'scene.yaml:4: 1,5e-2 has a comma'
+with contact <<'E'
+contact: {normal_stiffness: 1,000}
+E
+bad 'a comma between thousands' 'scene.yaml:2: 1,000 has a comma: .*no sign between thousands'
+with contact <<'E'
+contact:
+  normal_stiffness: 50,5
+E
+bad 'a decimal comma in a line of its own' "scene.yaml:3: normal_stiffness: '50,5' is not a finite number \(a comma"
+with mesh <<'E'
+mesh: {rectangle: {size: [10,5, 10], elements: [2, 2]}}
+E
+bad 'a decimal comma in a list' 'scene.yaml:5: size has 3 items, 2 numbers are wanted \(with decimal commas\?'
+
 # Packings: line 12 of ok.data is its first grain
 packing() { sed "$1" ok.data >bad.data; echo 'packing: bad.data' | scene packing >scene.yaml; }
 packing 'd'

@@ -35,6 +35,8 @@ else
   echo "skip - no liggghts"
   check "LIGGGHTS is reported as missing" grep -Eq '^LIGGGHTS hooke/stiffness +missing +- ' table
 fi
+cross --path path.csv --engines native,lammps --quiet -o quiet >quiet.out 2>&1
+check "--quiet: results, and not a word" test $? = 0 -a ! -s quiet.out -a -s quiet/crosscheck.csv
 check "residuals are met" below "$(worst plain/crosscheck.csv lammps_residual native_residual gran_residual)" 1.0000001e-10
 "$granhom" rve "$packing" --engine native --normal-stiffness 1000 --tolerance 1e-10 --path path.csv -o rve.csv 2>/dev/null
 check "the stresses are those of granhom rve" diff <(column plain/crosscheck.csv native_s11) <(column rve.csv s11)

@@ -24,6 +24,8 @@ check "biaxial compression with friction" test $? = 0 -a "$(wc -l <biaxial.csv)"
 columns=step,F11,F12,F21,F22,P11,P12,P21,P22,s11,s12,s21,s22,energy,contacts,rattlers,residual,seconds
 check "the columns are those of granhom rve and those of the control" test "$(head -n 1 biaxial.csv)" = \
   $columns,energy_t,dissipation,sliding,load_step,volume,pressure,iterations,parts,cuts,jumps,mismatch
+element --control biaxial.yaml --friction-coefficient 0.3 --stress-tolerance 1e-9 --quiet -o quiet.csv >quiet 2>&1
+check "--quiet: the same results, and not a word" test $? = 0 -a ! -s quiet -a -z "$(diff <(cut -d, -f1-17 biaxial.csv) <(cut -d, -f1-17 quiet.csv))"
 check "nothing to say where relaxation has come to its end" test "$(grep -c 'accepted unconverged' said)" = 0
 element --control biaxial.yaml --friction-coefficient 0.3 --max-steps 30 --accept 1 --stress-tolerance 0.1 -o taken.csv >said 2>&1
 check "--accept accepts a packing unconverged, and each increment reports it" test $? = 0 -a "$(grep -c 'step [1-9][0-9]*: accepted unconverged, with a residual of' said)" -ge 10

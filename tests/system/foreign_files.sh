@@ -156,5 +156,66 @@ printf 'sieve;retained\n2;0\n1;20\n0,5;40\n0,25;30\npan;10\n' | same_sieve 'what
 printf 'sieve,cumulative retained\n2,0\n1,20\n0.5,60\n0.25,90\n' | same_sieve 'what is retained in all'
 printf 'diameter,retained\n2,0\n1,10\n0.5,20\n' >doubt.csv
 refused_by pack 'a sieve table of two meanings' 'retained_individual or retained_cumulative' --sieve ../doubt.csv --count 100 -o doubt.data
+printf 'diameter,passing\n1,50\n2,100\n' >percent.csv
+refused_by pack 'a curve in percent without a number of grains' 'needs a number of grains: --count N, at least 5' --sieve ../percent.csv -o out.data
+refused_by pack 'a number of grains too small' '1 grains are too few for one of each fraction of the sieve curve: --count must be at least 5' --sieve ../percent.csv --count 1 -o out.data
+
+# ---- files in the place of others ----
+
+scene plain.msh && sed '/^mesh/d; /^packing/d' scene.yaml >rest.yaml && cp scene.yaml a.scene
+cp p150.data a.packing
+cp path.csv a.path
+printf 's11,s22,s12\n-0.1,-0.1,0\n' >a.conditions
+cp ref.csv a.sieve
+printf 'title: of a study\nrve: {packing: a.packing}\nvary: {micro.tolerance: [1e-3]}\n' >a.study
+printf 'steps:\n  - {increments: 1, control: {s11: -0.1, s22: -0.1, s12: 0}}\n' >a.control
+printf 'sieve: ref.csv\ncount: 200\n' >a.growth
+cp "$data/foreign/plain_v22.msh" a.mesh
+"$granhom" rve p150.data --path path.csv --engine native --dump a.dump -o out.csv >said 2>said.err
+cp "$root/lammps-inputs/in.compress" a.script
+printf '\x89PNG\r\n\x1a\n\0' >a.picture
+printf '<?xml version="1.0" ?>\n<Xdmf/>\n' >a.xml
+kinds='packing path conditions sieve study control growth mesh dump script picture xml scene'
+if has HDF5 'a state in the place of others'; then
+  "$granhom" rve p150.data --path path.csv --engine native --save-state a.state -o out.csv >said 2>said.err
+  kinds="$kinds state"
+fi
+# What each looks like, and who takes it
+declare -A what=([packing]='a packing (LAMMPS data file)' [path]='a path of F (CSV)' [conditions]='a table of stresses and strains (CSV)'
+  [sieve]='a sieve curve (CSV)' [study]='a study (YAML)' [control]='the control file of an element test (YAML)'
+  [growth]='the specification of a packing (YAML)' [mesh]='a Gmsh mesh' [dump]='a LAMMPS dump' [script]='a LAMMPS script'
+  [picture]='a picture' [xml]='XML' [scene]='a scene (YAML)' [state]='a saved state')
+declare -A taken=([packing]='`granhom rve` and `granhom element` take it, and a scene names it: packing: FILE' [path]='`granhom rve PACKING --path` takes it'
+  [conditions]='`granhom element PACKING --path` takes it' [sieve]='`granhom pack --sieve` takes it' [study]='`granhom study` takes it'
+  [control]='`granhom element PACKING --control` takes it' [growth]='`granhom pack` takes it' [mesh]='a scene names it: mesh: {gmsh: FILE}'
+  [script]='`granhom lammps -in` takes it' [scene]='`granhom run` takes it' [state]='`granhom rve PACKING --load-state` takes it')
+# misplaced WANTED COMMAND ARGUMENTS...: each other kind in the place of FILE among the arguments, or named by scene.yaml
+misplaced() {
+  local wanted=$1 command=$2 kind
+  shift 2
+  for kind in $kinds; do
+    [ "$kind" = "$wanted" ] && continue
+    [ "$wanted" = conditions ] && [ "$kind" = path ] && continue # a path of F is one of conditions, too
+    { printf 'packing: %s\n' "$([ "$wanted" = packing ] && echo "a.$kind" || echo a.packing)"
+      printf 'mesh: {gmsh: %s}\n' "$([ "$wanted" = mesh ] && echo "a.$kind" || echo a.mesh)"
+      cat rest.yaml; } >scene.yaml
+    refused_by "$command" "${what[$kind]} for ${what[$wanted]}" "a.$kind: looks like ${what[$kind]}, and ${what[$wanted]} is wanted${taken[$kind]:+; ${taken[$kind]}}" "${@//FILE/../a.$kind}"
+  done
+}
+misplaced scene run FILE -o out
+misplaced study study FILE -o out
+misplaced packing rve FILE --path ../path.csv -o out.csv
+misplaced packing crosscheck FILE --path ../path.csv -o out
+misplaced packing run ../scene.yaml -o out
+misplaced mesh run ../scene.yaml -o out
+misplaced path rve ../a.packing --path FILE -o out.csv
+misplaced control element ../a.packing --control FILE -o out.csv
+misplaced conditions element ../a.packing --path FILE -o out.csv
+misplaced growth pack FILE -o out.data
+misplaced sieve pack --sieve FILE --count 10 -o out.data
+has HDF5 && misplaced state rve ../a.packing --path ../path.csv --load-state FILE -o out.csv
+refused_by run 'a scene that lacks keys is still one' "needs the key 'mesh'" ../rest.yaml -o out
+sed 's/.*/line/' rest.yaml >lines
+refused_by rve 'what looks like nothing known' 'neither a header line nor a section' ../lines --path ../path.csv -o out.csv
 
 exit $bad

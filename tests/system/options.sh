@@ -34,6 +34,11 @@ good_value() {
   esac
 }
 
+for command in run rve element study crosscheck pack; do
+  check "$command has --quiet" sh -c "'$granhom' help $command | grep -q '^  --quiet  *only warnings and errors on the screen$'"
+done
+said rve a.data --path a.csv --normal-stiffness 0,5
+check "a decimal comma in an option is named" grep -qF -- '--normal-stiffness must be a positive number, not "0,5" (a comma: a decimal point is wanted' err
 commands=$("$granhom" help | sed -n 's/^  \([a-z][a-z]*\)  *[^ ].*$/\1/p' | grep -vx help)
 check "the commands are found" test "$(wc -w <<<"$commands")" -ge 9
 for command in $commands; do

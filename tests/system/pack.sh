@@ -34,6 +34,8 @@ END
 # --- hard packings ---
 pack --sieve sieve.csv --seed 3 -o hard.data >said
 check "a sieve curve gives a packing" test $? = 0 -a -s hard.data
+"$granhom" pack --sieve sieve.csv --seed 3 --quiet -o quiet.data >quiet 2>&1
+check "--quiet: the same packing, and not a word" test $? = 0 -a ! -s quiet -a -z "$(diff hard.data quiet.data)"
 check "it states how dense it is" between 0.8 "$(number said 'volume fraction')" 0.92
 check "it states that its hull is full, or not" grep -Eq '^boundary grains  *[0-9]+ of 60, (not )?full: widest gap' said
 check "types are fractions, finest first, with their diameters" awk '
