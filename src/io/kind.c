@@ -164,6 +164,7 @@ gh_status gh_file_expect(gh_context *ctx, gh_status status, const char *path, gh
   if (status != GH_INPUT) return status;
   const gh_file_kind kind = kind_of(path);
   if (kind == GH_FILE_UNKNOWN || kind == wanted) return status;
+  if (kind == GH_FILE_BINARY && wanted == GH_FILE_STATE) return status; /* the seal states more */
   return gh_fail(ctx, GH_INPUT, "%s: looks like %s, and %s is wanted%s", path, kinds[kind].what,
                  kinds[wanted].what, kinds[kind].where);
 }

@@ -136,7 +136,8 @@ gh_status gh_results_check(gh_context *ctx, const char *name) {
   gh_status found = gh_file_there(ctx, path, &there);
   free(path);
   GH_TRY(found);
-  if (!there) return gh_fail(ctx, GH_INPUT, "%s: holds no results of `granhom run`: its folder -o is wanted", name);
+  if (!there)
+    return gh_fail(ctx, GH_INPUT, "%s: holds no results of `granhom run`: its folder -o is wanted", name);
   GH_TRY(report_run_read(ctx, name, &f.run));
   gh_status status = files_check(&f);
   cJSON_Delete(f.run);

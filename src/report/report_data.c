@@ -58,7 +58,9 @@ static gh_status read_run(report *r) {
   gh_status status = gh_file_there(r->ctx, path, &there);
   free(path);
   GH_TRY(status);
-  if (!there) return gh_fail(r->ctx, GH_INPUT, "%s: holds no results of `granhom run`: its folder -o is wanted", r->folder);
+  if (!there)
+    return gh_fail(r->ctx, GH_INPUT, "%s: holds no results of `granhom run`: its folder -o is wanted",
+                   r->folder);
   GH_TRY(report_run_read(r->ctx, r->folder, &r->run));
   return report_labels_of(r->ctx, r->folder, r->run, &r->labels);
 }
