@@ -8,7 +8,7 @@ packing=$root/tests/data/cases/packings/p50.data
 rve() { "$granhom" rve "$@"; }
 native() { rve "$packing" --engine native --normal-stiffness 1000 "$@"; }
 # The columns of a results file that do not hold times.
-results() { sed 's/,[^,]*$//' "$1"; }
+results() { cut -d, -f1-17,19- "$1"; }
 
 cat >path.csv <<'END'
 step,F11,F12,F21,F22
@@ -261,7 +261,7 @@ step,F11,F12,F21,F22
 2,0.97,0,0,0.97
 3,0.96,0,0,0.96
 END
-native --path jump.csv --max-steps 3 -o out.csv --tangent tan.csv --dump a.dump ${states:+--save-state no.h5} >said.out 2>said.err
+native --path jump.csv --relaxation damped --max-steps 3 -o out.csv --tangent tan.csv --dump a.dump ${states:+--save-state no.h5} >said.out 2>said.err
 check "too few steps: exit 1" test $? = 1
 check "the message names the step" grep -q 'step 2: .*no equilibrium within 3 relaxation steps' said.err
 check "the rows before are kept" test "$(cut -d, -f1 out.csv | tr '\n' ' ')" = "step 0 1 "
