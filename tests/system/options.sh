@@ -107,7 +107,7 @@ done
 
 # --- abbreviations, letters, what stands for standard input ---
 missed=
-refusal rve "the option --s is ambiguous: --slip, --save-state" nowhere --s x
+refusal rve "the option --s is ambiguous: --servo-gain, --servo-tolerance, --servo-acceleration, --slip, --save-state" nowhere --s x
 refusal rve "--relaxation must be polished, damped or fire, not \"@\"" nowhere --rel @
 refusal pack "the option --se is ambiguous: --seed, --seconds" --se 1
 refusal run "--engine must be lammps or native, not \"yade\"" nowhere --eng=yade
