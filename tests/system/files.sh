@@ -98,7 +98,7 @@ echo mine >victim; ln -s victim o.csv.tmp; rve p.data --path path.csv -o o.csv 2
 chmod 640 o.csv; ln -s o.csv link.csv; rve p.data --path path.csv -o link.csv 2>err
 [ -L link.csv ] && [ "$(stat -c %a o.csv)" = 640 ]; say $? 'a link stays, and so do the permissions behind it'
 for _ in 1 2 3 4; do rve p.data --path path.csv -o same.csv 2>/dev/null & rve p.data --path second.csv -o same.csv 2>/dev/null & wait; done
-head -n 1 same.csv | grep -q '^step,F11' && [ "$(tail -n +2 same.csv | awk -F, 'NF != 18' | wc -l)" = 0 ]; say $? 'two at the same time leave a whole file'
+head -n 1 same.csv | grep -q '^step,F11' && [ "$(tail -n +2 same.csv | awk -F, 'NF != 20' | wc -l)" = 0 ]; say $? 'two at the same time leave a whole file'
 if [ "$(id -u)" = 0 ]; then ask='setpriv --reuid 65534 --regid 65534 --clear-groups'; else ask=; fi
 mkdir locked free; cp o.csv free/ro.csv; chmod 755 . locked; chmod 444 free/ro.csv; chmod 777 free
 if $ask true 2>/dev/null; then
