@@ -7,41 +7,23 @@
 
 #include <string.h>
 
-#define EDGES(x, y) .edges = {GH_EDGES_##x, GH_EDGES_##y}
+#define ON_A_FRAME(x, y)                                                                                     \
+  .body = GH_BODY_FRAME, .fixes = GH_FIXES_BOUNDARY, .edges = {GH_EDGES_##x, GH_EDGES_##y}
 
 static const gh_condition conditions[GH_BOUNDARIES] = {
     [GH_TAYLOR] = {.name = "taylor", .body = GH_BODY_CLUSTER, .fixes = GH_FIXES_ALL},
     [GH_TAYLOR_CELL] = {.name = "taylor-cell", .body = GH_BODY_CELL, .fixes = GH_FIXES_ALL},
     [GH_RESTRICTED] = {.name = "restricted", .body = GH_BODY_CLUSTER, .fixes = GH_FIXES_BOUNDARY},
     [GH_PERIODIC] = {.name = "periodic", .body = GH_BODY_CELL, .fixes = GH_FIXES_NONE},
-    [GH_DISPLACEMENT] = {.name = "displacement",
-                         .body = GH_BODY_FRAME,
-                         .fixes = GH_FIXES_BOUNDARY,
-                         EDGES(DISPLACEMENT, DISPLACEMENT)},
-    [GH_FRAME_PERIODIC] = {.name = "frame-periodic",
-                           .body = GH_BODY_FRAME,
-                           .fixes = GH_FIXES_BOUNDARY,
-                           EDGES(PERIODIC, PERIODIC)},
-    [GH_TRACTION] = {.name = "traction",
-                     .body = GH_BODY_FRAME,
-                     .fixes = GH_FIXES_BOUNDARY,
-                     EDGES(TRACTION, TRACTION)},
+    [GH_DISPLACEMENT] = {.name = "displacement", ON_A_FRAME(DISPLACEMENT, DISPLACEMENT)},
+    [GH_FRAME_PERIODIC] = {.name = "frame-periodic", ON_A_FRAME(PERIODIC, PERIODIC)},
+    [GH_TRACTION] = {.name = "traction", ON_A_FRAME(TRACTION, TRACTION)},
     [GH_SERVO_DISPLACEMENT] = {.name = "servo-displacement",
-                               .body = GH_BODY_FRAME,
-                               .fixes = GH_FIXES_BOUNDARY,
-                               EDGES(DISPLACEMENT, DISPLACEMENT),
-                               .servo = true},
-    [GH_SERVO_PERIODIC] = {.name = "servo-periodic",
-                           .body = GH_BODY_FRAME,
-                           .fixes = GH_FIXES_BOUNDARY,
-                           EDGES(PERIODIC, PERIODIC),
-                           .servo = true},
-    [GH_SERVO_TRACTION] = {.name = "servo-traction",
-                           .body = GH_BODY_FRAME,
-                           .fixes = GH_FIXES_BOUNDARY,
-                           EDGES(TRACTION, TRACTION),
-                           .servo = true},
-    [GH_MIXED] = {.name = "mixed", .body = GH_BODY_FRAME, .fixes = GH_FIXES_BOUNDARY}};
+                               .servo = true,
+                               ON_A_FRAME(DISPLACEMENT, DISPLACEMENT)},
+    [GH_SERVO_PERIODIC] = {.name = "servo-periodic", .servo = true, ON_A_FRAME(PERIODIC, PERIODIC)},
+    [GH_SERVO_TRACTION] = {.name = "servo-traction", .servo = true, ON_A_FRAME(TRACTION, TRACTION)},
+    [GH_MIXED] = {.name = "mixed", ON_A_FRAME(OPEN, OPEN)}};
 
 gh_condition gh_condition_of(const gh_rve_options *o) {
   gh_condition c = conditions[o->boundary];

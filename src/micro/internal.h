@@ -340,7 +340,8 @@ long gh_rve_patience(const gh_rve *rve);
 
 /* Residual until which relaxation goes before Newton's iteration may end it. */
 extern const double gh_rve_first_relaxation;
-/* Finds the equilibrium at rve->F from a start, or from the positions and rotations in rve->x, theta (NULL). Leaves positions, contacts and forces of the equilibrium. */
+/* Finds the equilibrium at rve->F from a start, or from the positions and rotations in rve->x, theta (NULL).
+ * Leaves positions, contacts and forces of the equilibrium. */
 gh_status gh_rve_equilibrate(gh_rve *rve, const gh_start *start);
 /* Stress, energy and the other sums over the contacts into rve->m. */
 gh_status gh_rve_sums(gh_rve *rve);

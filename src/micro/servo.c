@@ -98,11 +98,16 @@ static double unbalance_find(gh_rve *r) {
   return sqrt(sum);
 }
 
+/* Displacement per what is unbalanced, of the correction with this number. */
+static double gain_of(const gh_rve *r, int k) {
+  const double gain = r->options.servo_gain * r->m.mean_force / r->options.law.normal_stiffness;
+  return gain * (k % 3 == 2 ? turn_gain : 1);
+}
+
 /* s->step = gain times out. */
 static void step_plain(gh_rve *r) {
   gh_servo *s = r->servo;
-  const double gain = r->options.servo_gain * r->m.mean_force / r->options.law.normal_stiffness;
-  for (int k = 0; k < s->n; k++) s->step[k] = gain * (k % 3 == 2 ? turn_gain : 1) * s->out[k];
+  for (int k = 0; k < s->n; k++) s->step[k] = gain_of(r, k) * s->out[k];
 }
 
 static double product(const double *a, const double *b, int n) {
@@ -115,13 +120,11 @@ static double product(const double *a, const double *b, int n) {
  * orthogonal by Gram-Schmidt, their steps along with them. */
 static void step_accelerate(gh_rve *r, int m) {
   gh_servo *s = r->servo;
-  const double gain = r->options.servo_gain * r->m.mean_force / r->options.law.normal_stiffness;
   for (int a = 0; a < m; a++) {
     const double size = product(s->dout[a], s->dout[a], s->n);
     if (!(size > 0)) continue;
     const double share = product(s->dout[a], s->out, s->n) / size;
-    for (int k = 0; k < s->n; k++)
-      s->step[k] -= share * (s->dstep[a][k] + gain * (k % 3 == 2 ? turn_gain : 1) * s->dout[a][k]);
+    for (int k = 0; k < s->n; k++) s->step[k] -= share * (s->dstep[a][k] + gain_of(r, k) * s->dout[a][k]);
   }
 }
 
