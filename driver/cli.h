@@ -10,13 +10,14 @@
 #include "granhom/micro.h"
 
 /* A subcommand. What it is given goes into a struct of its own, which `defaults` fills first; then its rows
- * of options say where. One operand (a file or folder) is its subject. */
+ * of options say where. One operand (a file or folder) is its subject; some take more behind it. */
 typedef struct cli_command {
   const char *name, *summary, *usage, *about,
       *notes; /* about, notes: above and below the options in the help */
   const option_group *options;
   const char *noun, *missing; /* of the operand; missing: the message, NULL where it may be left out */
   size_t operand;             /* place of the operand, a const char * in the arguments */
+  size_t more;                /* of an option_more for those behind it; 0: one operand alone */
   size_t size;                /* of the arguments */
   void (*defaults)(void *arguments);
   gh_status (*prepare)(gh_context *ctx, void *arguments); /* after the operand, before the options; or NULL */
@@ -28,7 +29,7 @@ typedef struct cli_command {
              char **argv); /* instead of all this: the exit status; argv[0] is the subcommand's name */
 } cli_command;
 extern const cli_command cli_run, cli_rve, cli_element, cli_study, cli_crosscheck, cli_pack, cli_plot,
-    cli_report, cli_lammps;
+    cli_report, cli_compare, cli_lammps;
 
 /* A context whose log and progress go to standard error: a rewritten line on a terminal, plain lines at most
  * every ten seconds elsewhere. NULL (after a message) when there is no memory. */

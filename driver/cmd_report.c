@@ -10,6 +10,7 @@ enum { MOST_POINTS = 12 };
 
 typedef struct report_arguments {
   const char *folder, *html;
+  option_more others;
   int points[MOST_POINTS], npoints;
 } report_arguments;
 
@@ -54,13 +55,17 @@ static const option_row rows[] = {
 
 static gh_status report_work(gh_context *ctx, void *data) {
   const report_arguments *a = data;
+  gh_comparison *comparison = NULL;
   char *own = a->html ? NULL : gh_path_join(a->folder, "report.html");
   const char *html = a->html ? a->html : own;
   gh_status status = html ? GH_OK : gh_fail(ctx, GH_MEMORY, "no memory for a path");
   if (status == GH_OK && a->html) status = gh_output_check(ctx, a->html);
   if (status == GH_OK) status = cli_mpi(ctx, true);
-  if (status == GH_OK) status = gh_report_write(ctx, a->folder, a->points, a->npoints, html);
+  if (status == GH_OK && a->others.n > 0)
+    status = gh_comparison_create(ctx, a->folder, a->others.word, a->others.n, &comparison);
+  if (status == GH_OK) status = gh_report_write(ctx, a->folder, a->points, a->npoints, comparison, html);
   if (status == GH_OK) printf("%s\n", html);
+  gh_comparison_destroy(&comparison);
   free(own);
   return status;
 }
@@ -68,14 +73,17 @@ static gh_status report_work(gh_context *ctx, void *data) {
 const cli_command cli_report = {
     .name = "report",
     .summary = "one HTML page about the results of `granhom run`",
-    .usage = "usage: granhom report DIR [options]\n",
-    .about = "The page needs nothing but a browser: whether the run converged, curves, fields on the "
-             "deformed mesh, "
-             "force networks, residuals, times. It can be made while the run is under way.\n",
+    .usage = "usage: granhom report DIR [OTHER...] [options]\n",
+    .about =
+        "The page needs nothing but a browser: whether the run converged, curves, fields on the "
+        "deformed mesh, "
+        "force networks, residuals, times; with other folders also the comparison of `granhom compare`. It "
+        "can be made while the run is under way.\n",
     .notes = "",
     .options = (const option_group[]){{rows, 0}, {0}},
     .noun = "folder",
     .missing = "a folder of results is needed",
     .operand = offsetof(report_arguments, folder),
+    .more = offsetof(report_arguments, others),
     .size = sizeof(report_arguments),
     .work = report_work};

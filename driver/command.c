@@ -28,6 +28,7 @@ void cli_help(FILE *out, const cli_command *command) {
 static gh_status command_read(gh_context *ctx, const cli_command *command, int argc, char **argv,
                               void *arguments, bool *usage) {
   option_line line = {.groups = command->options, .argc = argc, .argv = argv, .noun = command->noun};
+  if (command->more) line.more = (option_more *)((char *)arguments + command->more);
   *usage = true;
   GH_TRY(options_scan(ctx, &line));
   if (!line.operand && command->missing) return gh_fail(ctx, GH_INPUT, "%s", command->missing);

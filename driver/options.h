@@ -61,20 +61,28 @@ void option_text(const option_row *row, const void *group, char text[OPTION_MOST
 /* The row of this name, NULL: none. */
 const option_row *option_find(const option_row *rows, const char *name);
 
-/* What a command line consists of. The single operand (a file or folder) may stand anywhere; "--" ends the
- * options; an option that is given twice counts with its last value. */
+/* Operands behind the first, where a command takes several. */
+enum { OPTION_MORE = 32 };
+typedef struct option_more {
+  int n;
+  const char *word[OPTION_MORE];
+} option_more;
+
+/* What a command line consists of. Operands (files or folders) may stand anywhere; "--" ends the options; an
+ * option that is given twice counts with its last value. */
 typedef struct option_line {
   const option_group *groups;
   int argc;
   char **argv;
   const char *noun;    /* of the operand: "packing" */
   const char *operand; /* found by options_scan; NULL: none */
+  option_more *more;   /* those behind it; NULL: there may be none */
 } option_line;
 
 /* Whether --help or -h stands in front of "--". */
 bool options_help_wanted(int argc, char **argv);
-/* Finds the operand. GH_INPUT: an unknown option (with the nearest known one), an ambiguous abbreviation, a
- * value missing or one too many, two operands. */
+/* Finds the operands. GH_INPUT: an unknown option (with the nearest known one), an ambiguous abbreviation, a
+ * value missing or one too many, too many operands. */
 gh_status options_scan(gh_context *ctx, option_line *line);
 /* Sets the values, after options_scan. GH_INPUT: "--rate must be a positive number, not ..." */
 gh_status options_read(gh_context *ctx, const option_line *line, void *arguments);

@@ -79,9 +79,13 @@ static gh_status option_refuse(gh_context *ctx, const line_table *t, const char 
 }
 
 static gh_status operand_add(gh_context *ctx, option_line *line, const char *word) {
-  if (line->operand)
+  option_more *more = line->more;
+  if (line->operand && !more)
     return gh_fail(ctx, GH_INPUT, "one %s at a time, not '%s' and '%s'", line->noun, line->operand, word);
-  line->operand = word;
+  if (line->operand && more->n == OPTION_MORE)
+    return gh_fail(ctx, GH_INPUT, "at most %d more %ss behind '%s'", OPTION_MORE, line->noun, line->operand);
+  if (line->operand) more->word[more->n++] = word;
+  else line->operand = word;
   return GH_OK;
 }
 

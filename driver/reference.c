@@ -3,6 +3,7 @@
 #include "reference.h"
 #include "pack_spec.h"
 
+#include "granhom/report.h"
 #include "granhom/scene.h"
 #include "study/study.h"
 
@@ -58,6 +59,10 @@ static void print_point_columns(gh_text *out) {
   print_list(out, list);
 }
 
+static void print_compared_columns(gh_text *out) {
+  print_list(out, gh_comparison_columns());
+}
+
 static void print_study_columns(gh_text *out) {
   print_list(out, gh_study_columns());
 }
@@ -71,7 +76,8 @@ static const struct {
              {"keys", "study", print_study},
              {"columns", "run", print_run_columns},
              {"columns", "rve", print_point_columns},
-             {"columns", "study", print_study_columns}};
+             {"columns", "study", print_study_columns},
+             {"columns", "compare", print_compared_columns}};
 enum { PAGES = sizeof pages / sizeof *pages };
 
 static int print_text(gh_context *ctx, const char *topic, const char *file) {

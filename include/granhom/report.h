@@ -39,14 +39,39 @@ GH_API gh_status gh_picture_script(gh_context *ctx, const char *commands, int wi
  * characters become '?'. Use it with `noenhanced`. */
 GH_API void gh_picture_string(gh_text *out, const char *text);
 
+/* ---- a run beside others of the same scene ---- */
+
+/* What history.csv of `folder` holds, beside the mean of that of `others`: direct simulations, or runs with
+ * other meshes, packings or conditions. The rows are the increments of `folder` up to the load step that all
+ * have reached; the others are interpolated linearly over the load steps. A reaction's gap is the difference to
+ * the mean of the others in per cent of the largest reaction (of the mean, over all sets and increments); that
+ * of the dilatancy, of the coordination number, of the anisotropy and of a footing's displacement is the
+ * difference itself. The scatter is the standard deviation of the others (with n - 1), from two on. */
+typedef struct gh_comparison gh_comparison;
+enum { GH_COMPARED_MOST = 32 };
+/* GH_INPUT: no folder of results, no or too many others, another driven set or another displacement of it, no
+ * column or no increment in common, no reaction that is not zero. */
+GH_API gh_status gh_comparison_create(gh_context *ctx, const char *folder, const char *const *others,
+                                      int nothers, gh_comparison **comparison);
+GH_API void gh_comparison_destroy(gh_comparison **comparison);
+/* As a table for people: mean and largest gap of each quantity, and where that is. */
+GH_API void gh_comparison_print(const gh_comparison *comparison, gh_text *out);
+/* As CSV: a row per increment. */
+GH_API void gh_comparison_table(const gh_comparison *comparison, gh_text *out);
+/* Its columns. */
+GH_API const gh_term_list *gh_comparison_columns(void);
+/* Curves as PNG, by gnuplot; png NULL: nothing is written. */
+GH_API gh_status gh_comparison_picture(const gh_comparison *comparison, const char *png);
+
 /* ---- a report ---- */
 
 /* One self-contained HTML page about a folder of results: outcome, curves, fields on the mesh, packings of
  * npoints integration points (at most 12; npoints 0: the largest von Mises stress, the smallest acoustic
- * eigenvalue and the first, of the points whose grains are recorded), residuals, times. GH_INPUT: no results,
- * damaged files, a point that does not exist; nothing is written then. */
+ * eigenvalue and the first, of the points whose grains are recorded), residuals, times; with `comparison`
+ * (NULL: without) the run beside others. GH_INPUT: no results, damaged files, a point that does not exist;
+ * nothing is written then. */
 GH_API gh_status gh_report_write(gh_context *ctx, const char *folder, const int *points, int npoints,
-                                 const char *html);
+                                 const gh_comparison *comparison, const char *html);
 
 /* ---- pictures of packings ---- */
 

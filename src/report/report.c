@@ -20,10 +20,10 @@ static void print_end(report *r) {
 }
 
 gh_status gh_report_write(gh_context *ctx, const char *folder, const int *points, int npoints,
-                          const char *html) {
-  static gh_status (*const sections[])(report *) = {report_verdict,  report_curves,      report_fields,
-                                                    report_packings, report_convergence, report_error,
-                                                    report_time,     report_options};
+                          const gh_comparison *comparison, const char *html) {
+  static gh_status (*const sections[])(report *) = {report_verdict,  report_curves,     report_fields,
+                                                    report_packings, report_comparison, report_convergence,
+                                                    report_error,    report_time,       report_options};
   report r;
   if (!gh_h5_available())
     return gh_fail(
@@ -31,6 +31,7 @@ gh_status gh_report_write(gh_context *ctx, const char *folder, const int *points
         "%s: a report is made of results.h5, and this granhom was built without HDF5 (make HDF5=0)", folder);
   GH_TRY(gh_results_check(ctx, folder));
   gh_status status = report_open(ctx, folder, points, npoints, &r);
+  r.comparison = comparison;
   if (status == GH_OK) {
     print_begin(&r);
     for (size_t k = 0; k < sizeof sections / sizeof *sections && status == GH_OK; k++)

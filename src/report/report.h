@@ -16,6 +16,7 @@ enum { REPORT_POINTS = 12, REPORT_FILM = 6 };
 typedef struct report {
   gh_context *ctx;
   const char *folder;
+  const gh_comparison *comparison; /* NULL: none */
   gh_text *out;
   cJSON *run;
   report_labels labels;
@@ -108,6 +109,7 @@ void report_density(int n, const double *x, const double *weight, double influen
 
 gh_status report_verdict(report *r);     /* report_words.c */
 gh_status report_options(report *r);     /* report_words.c */
+gh_status report_comparison(report *r);  /* report_compare.c; nothing without one */
 gh_status report_curves(report *r);      /* report_curves.c */
 gh_status report_iterations(report *r);  /* report_curves.c; a part of the convergence */
 gh_status report_fields(report *r);      /* report_mesh.c */

@@ -215,10 +215,12 @@ gh_status report_verdict(report *r) {
   }
   gh_text_print(r->out, ". %d quadrilaterals, %d nodes.</p></header>\n", r->mesh.nelements, r->mesh.nnodes);
   gh_text_print(
-      r->out, "<nav><div><a href=\"#verdict\">Verdict</a><a href=\"#curves\">Curves</a><a href=\"#body\">The "
-              "body</a><a href=\"#packings\">Packings</a><a href=\"#convergence\">Convergence</a><a "
-              "href=\"#error\">Error</a><a href=\"#time\">Time</a><a href=\"#computed\">What was "
-              "computed</a></div></nav>\n<main>\n");
+      r->out,
+      "<nav><div><a href=\"#verdict\">Verdict</a><a href=\"#curves\">Curves</a><a href=\"#body\">The "
+      "body</a><a href=\"#packings\">Packings</a>%s<a href=\"#convergence\">Convergence</a><a "
+      "href=\"#error\">Error</a><a href=\"#time\">Time</a><a href=\"#computed\">What was "
+      "computed</a></div></nav>\n<main>\n",
+      r->comparison ? "<a href=\"#comparison\">Comparison</a>" : "");
   gh_text_print(r->out, "<h2 id=\"verdict\">Verdict</h2>\n");
   tell_outcome(r);
   tell_jumps(r);

@@ -66,8 +66,8 @@ static void text_write(const char *path, const uint8_t *data, size_t size) {
 /* The page and pictures, but for those that gnuplot draws. */
 static void folder_use(gh_context *ctx) {
   static const int points[] = {0, 1};
-  fuzz_good(ctx, gh_report_write(ctx, ".", points, 0, "report.html"));
-  fuzz_good(ctx, gh_report_write(ctx, ".", points, 2, "report.html"));
+  fuzz_good(ctx, gh_report_write(ctx, ".", points, 0, NULL, "report.html"));
+  fuzz_good(ctx, gh_report_write(ctx, ".", points, 2, NULL, "report.html"));
   fuzz_good(ctx, gh_picture_mesh(ctx, ".", "mesh.svg"));
   fuzz_good(ctx, gh_picture_rve(ctx, ".", -1, "rve.svg"));
 }

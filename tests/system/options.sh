@@ -99,10 +99,14 @@ for command in $(grep -vx lammps <<<"$commands"); do
   check "$command: $checked options check their values, empty and second ones too" test -z "$missed"
   [ -z "$missed" ] || printf '  %s\n' "$missed"
   missed=
-  refusal "$command" "one " nowhere elsewhere
-  refusal "$command" "one " nowhere -- --elsewhere
+  if "$granhom" help "$command" | grep -q '^usage: .*OTHER'; then # shellcheck disable=SC2046
+    refusal "$command" "at most 32 more folders" nowhere -- --elsewhere $(seq 33)
+  else
+    refusal "$command" "one " nowhere elsewhere
+    refusal "$command" "one " nowhere -- --elsewhere
+  fi
   refusal "$command" "unknown option -x" nowhere -x
-  check "$command: two operands, one of them behind --; an unknown letter" test -z "$missed"
+  check "$command: too many operands, one of them behind --; an unknown letter" test -z "$missed"
 done
 
 # --- abbreviations, letters, what stands for standard input ---
