@@ -40,6 +40,8 @@ const gh_term scene_history_tail[] = {
     {"energy", "change of the stored energy since the start"},
     {"dissipation", "dissipated by friction since the start"},
     {"energy_defect", "energy imbalance, relative: work of the stresses less what is stored and dissipated"},
+    {"coordination", "contacts of a grain that is no rattler, mean over the integration points"},
+    {"anisotropy", "of the fabric, mean over the integration points"},
     {0}};
 
 const gh_term scene_history_estimate[] = {

@@ -108,7 +108,17 @@ static void terms_add(walk *w, const gh_term *terms, const double *value) {
   for (int k = 0; terms[k].name; k++) column_add(w, terms[k].name, false, value[k]);
 }
 
-enum { TAIL = 16 };
+enum { TAIL = 18 };
+
+/* Mean over the integration points of one of scene_numbers. */
+static double points_mean(const scene_output *o, const char *name) {
+  const scene_number *number = scene_numbers;
+  const int points = gh_farm_size(o->farm);
+  double sum = 0;
+  while (strcmp(number->name, name) != 0) number++;
+  for (int p = 0; p < points; p++) sum += number->of(gh_farm_measure(o->farm, p));
+  return sum / points;
+}
 
 /* In the order of scene_history_tail. */
 static void tail_fill(const scene_output *o, double value[TAIL]) {
@@ -133,7 +143,9 @@ static void tail_fill(const scene_output *o, double value[TAIL]) {
                             e->outer_work,
                             e->energy,
                             e->dissipation,
-                            gh_energy_defect(e)};
+                            gh_energy_defect(e),
+                            points_mean(o, "coordination"),
+                            points_mean(o, "anisotropy")};
   memcpy(value, all, sizeof all);
 }
 

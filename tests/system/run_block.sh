@@ -111,6 +111,9 @@ run = json.load(open("run.json"))
 assert run["status"] == "done" and run["summary"]["increments"] == 40, run
 rows = np.genfromtxt("history.csv", delimiter=",", names=True, dtype=None, encoding="utf8")
 assert rows["p_right"][10] == 0.2 and abs(rows["p_right"][5] - 0.21) < 1e-15 and rows["uy_top"][40] == -3
+with h5py.File("results.h5") as h5:
+    for name in "coordination", "anisotropy":
+        assert all(abs(rows[name][k] - h5[f"/step{k:04d}/points/{name}"][:].mean()) < 1e-13 for k in range(41)), name
 residuals = np.genfromtxt("convergence.csv", delimiter=",", names=True)
 assert set(residuals["step"]) == set(range(41))
 E
