@@ -18,6 +18,7 @@ typedef struct material {
   double jump_at;      /* F22 below this, or once committed below this: P22 += jump; 0: none */
   double jump;
   double rough; /* P22 += rough in the second evaluation of an increment, and in no other */
+  double dip;   /* P22 += dip exp(-z^2), z = (F22 - 0.9) / 0.02: a branch that softens; 0: none */
   bool poison;  /* stress is not a number away from F = I */
   bool empty;   /* no stress, no stiffness */
 } material;
@@ -28,6 +29,7 @@ typedef struct point {
   double F[4], trial[4], P[4];
   bool jumped, trial_jumped, has_trial;
   int commits, evaluations; /* evaluations: since the last one */
+  int tangents;             /* evaluations that a tangent was wanted of */
   double committed[64][2];  /* F22, P22 */
 } point;
 
@@ -38,7 +40,7 @@ static inline void neo_hooke(const double F[4], double P[4], double A[16]) {
 static inline gh_status evaluate(void *data, const double F[4], unsigned want, double P[4], double A[16]) {
   point *p = data;
   const material *m = p->m;
-  (void)want;
+  p->tangents += (want & GH_WANT_TANGENT) != 0;
   for (int k = 0; k < 4; k++)
     if (m->limit > 0 && fabs(F[k] - p->F[k]) > m->limit)
       return gh_fail(p->ctx, GH_DIVERGED, "strain increment %g exceeds %g", F[k] - p->F[k], m->limit);
@@ -46,6 +48,11 @@ static inline gh_status evaluate(void *data, const double F[4], unsigned want, d
   for (int k = 0; k < 4; k++) P[k] += m->prestress[k];
   P[1] += m->skew * F[2];
   A[4 + 2] += m->skew;
+  if (m->dip != 0) {
+    const double z = (F[3] - 0.9) / 0.02, bump = m->dip * exp(-z * z);
+    P[3] += bump;
+    A[15] -= 2 * z / 0.02 * bump;
+  }
   p->trial_jumped = p->jumped || (m->jump_at > 0 && F[3] < m->jump_at);
   if (p->trial_jumped) P[3] += m->jump;
   if (++p->evaluations == 2) P[3] += m->rough;

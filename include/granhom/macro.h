@@ -52,11 +52,22 @@ typedef enum gh_tangent {
 GH_API bool gh_tangent_from_name(const char *name, gh_tangent *tangent);
 GH_API const char *gh_tangent_name(gh_tangent tangent);
 
+/* How the equilibrium of an increment is found. */
+typedef enum gh_macro_method {
+  GH_METHOD_NEWTON,
+  GH_METHOD_RELAXATION, /* damped central differences: stresses alone, no tangents, nothing is factorised */
+  GH_METHOD_AUTOMATIC   /* Newton, and relaxation where it stops */
+} gh_macro_method;
+/* "newton", "relaxation", "automatic"; false when the word is none of them. */
+GH_API bool gh_macro_method_from_name(const char *name, gh_macro_method *method);
+GH_API const char *gh_macro_method_name(gh_macro_method method);
+
 enum { GH_MACRO_MEMORY = 10 };
 
 typedef struct gh_macro_options {
-  double tolerance;   /* |R_free| <= tolerance (|f_ext| + |R_prescribed|); default 1e-8 */
-  int max_iterations; /* default 20 */
+  double tolerance;   /* |R_free| <= tolerance (|f_ext| + |R_prescribed|); default 1e-8. Relaxation: kinetic
+                         energy <= tolerance times internal work of the substep, too */
+  int max_iterations; /* default 20; of relaxation alone, its steps */
   int cut_steps;      /* largest depth of bisection of a failing increment; default 6 */
   bool line_search;   /* default true */
   int memory; /* a step of the line search is compared with the largest of the last so many residuals of this
@@ -67,6 +78,9 @@ typedef struct gh_macro_options {
                       the post-instability states and continue (method 6) */
   gh_tangent tangent; /* default: algorithmic. With frozen and elastic the packings compute tangents at the
                          end of a substep alone, by one evaluation more */
+  gh_macro_method method; /* default: Newton */
+  double damping_ratio;   /* of relaxation: over critical damping; above 0, default 1 */
+  double safety;          /* time step over the critical one; above 0, below 1, default 0.5 */
 } gh_macro_options;
 GH_API gh_macro_options gh_macro_defaults(void);
 
@@ -79,13 +93,15 @@ typedef struct gh_macro_iteration {
   double relative; /* residual / scale */
   double first;    /* residual / residual of iteration 0 */
   double step;     /* length of the line search's step that led here; 1 without */
+  double kinetic;  /* of relaxation: kinetic energy over internal work; 0 with Newton */
   double seconds;  /* since the increment began */
 } gh_macro_iteration;
 typedef void gh_macro_watch(void *data, const gh_macro_iteration *it);
 
 typedef struct gh_macro_report {
   int iterations, substeps, cuts,
-      jumps; /* of the increment; cuts: bisections; jumps: instabilities stepped over (method 6) */
+      jumps;   /* of the increment; cuts: bisections; jumps: instabilities stepped over (method 6) */
+  int relaxed; /* of the iterations: steps of relaxation */
   double residual, relative; /* at the end */
   double micro_seconds, seconds;
 } gh_macro_report;
@@ -169,7 +185,7 @@ GH_API gh_status gh_macro_load(gh_macro *macro, const double *state, size_t size
 GH_API const double *gh_macro_u(const gh_macro *macro); /* nnodes x 2 */
 GH_API const double *gh_macro_F(const gh_macro *macro); /* npoints x 4 */
 GH_API const double *gh_macro_P(const gh_macro *macro); /* npoints x 4 */
-GH_API const double *gh_macro_A(const gh_macro *macro); /* npoints x 16 */
+GH_API const double *gh_macro_A(const gh_macro *macro); /* npoints x 16; NULL with GH_METHOD_RELAXATION */
 GH_API const double *
 gh_macro_reactions(const gh_macro *macro); /* nnodes x 2: force of the supports on the body */
 /* Sum of the reactions over the nodes of a set (corners count for both edges). */

@@ -79,7 +79,7 @@ typedef struct gh_frame {
 /* One residual of the iteration under way, for convergence.csv. */
 typedef struct gh_residual_row {
   int counter, substep, iteration;
-  double residual, relative, first, step_length, seconds;
+  double residual, relative, first, step_length, kinetic, seconds;
 } gh_residual_row;
 
 /* How it stands with the run, for run.json. */

@@ -127,6 +127,7 @@ typedef struct gh_run_summary {
   int planned, step;                     /* steps of the scene; the one that is done in part, 0: none is */
   int done, of;                          /* increments of that one: complete, planned */
   int iterations, substeps, cuts, jumps; /* of the whole run */
+  int relaxed, relaxed_increments;       /* of the iterations: steps of relaxation; increments with any */
   int at_once;                           /* planned increments that the next one takes */
   int points, unjammed;                  /* material points; how many of them carry nothing at the end */
   double min_acoustic;                   /* smallest eigenvalue of any acoustic tensor at the end */

@@ -6,7 +6,7 @@
 #include "macro/internal.h"
 
 /* int P : dF dV0 from m->eq to m->now by the trapezoidal rule. */
-static double internal_work(const gh_macro *m) {
+double gh_internal_work(const gh_macro *m) {
   double sum = 0;
   for (int p = 0; p < m->npoints; p++) {
     const double *F0 = m->eq.F + 4 * (size_t)p, *F1 = m->now.F + 4 * (size_t)p, *P0 = m->eq.P + 4 * (size_t)p,
@@ -51,7 +51,7 @@ void gh_energy_begin(gh_macro *m) {
 
 void gh_energy_count(gh_macro *m, const gh_attempt *a, double t0, bool evaluated, bool balanced) {
   gh_tally *w = &m->tally;
-  double inner = internal_work(m), outer = external_work(m, a, t0);
+  double inner = gh_internal_work(m), outer = external_work(m, a, t0);
   w->inner += inner;
   w->outer += outer;
   if (!balanced) w->freed += outer - inner;

@@ -115,7 +115,8 @@ gh_status gh_macro_evaluate_stress(gh_macro *m, gh_state *s, const gh_state *tan
 
 gh_status gh_macro_start(gh_macro *m) {
   if (m->started) return GH_OK;
-  gh_status status = gh_macro_evaluate(m, &m->eq);
+  const bool stress = m->options.method == GH_METHOD_RELAXATION; /* tangents that are zero from the start */
+  gh_status status = stress ? gh_macro_evaluate_stress(m, &m->eq, &m->now) : gh_macro_evaluate(m, &m->eq);
   if (status != GH_OK) return gh_prefix(m->ctx, status, "stress at the start (u = 0): ");
   if (m->elastic) memcpy(m->elastic, m->eq.A, 16 * (size_t)m->npoints * sizeof *m->elastic);
   m->started = true;

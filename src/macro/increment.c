@@ -120,6 +120,21 @@ static void substep_bisect(walk *w, gh_macro_report *r) {
   r->cuts++;
 }
 
+/* Where Newton has stopped. GH_DIVERGED: not asked for, or it does not come to rest either; the instability
+ * that Newton has met stays known. */
+static gh_status substep_relax(gh_macro *m, gh_attempt *a, walk *w, gh_macro_report *r) {
+  const int before = a->iterations;
+  if (m->options.method != GH_METHOD_AUTOMATIC) return GH_DIVERGED;
+  const gh_instability met = m->instability;
+  gh_status status = gh_relax(m, a);
+  m->instability = met;
+  r->iterations = a->iterations;
+  r->relaxed = a->relaxed;
+  if (status == GH_OK) return substep_accept(m, a, a->iterations - before, w, r);
+  if (status == GH_DIVERGED) GH_TRY(gh_farm_revert(m->farm));
+  return status;
+}
+
 /* After a failed attempt: bisect, or step over an instability, or give up. */
 static gh_status substep_recover(gh_macro *m, gh_attempt *a, walk *w, gh_macro_report *r) {
   GH_TRY(gh_farm_revert(m->farm));
@@ -130,7 +145,8 @@ static gh_status substep_recover(gh_macro *m, gh_attempt *a, walk *w, gh_macro_r
   }
   char reason[512];
   snprintf(reason, sizeof reason, "%s", gh_message(m->ctx));
-  gh_status status = instability_step_over(m, a, w, r);
+  gh_status status = substep_relax(m, a, w, r);
+  if (status == GH_DIVERGED) status = instability_step_over(m, a, w, r);
   if (status != GH_DIVERGED) return status;
   GH_TRY(gh_farm_revert(m->farm));
   if (!last) {
@@ -147,8 +163,9 @@ static gh_status increment_advance(gh_macro *m, const gh_loads *loads, walk *w, 
     int before = a.iterations;
     a.t = w->t + w->dt;
     a.substep = r->substeps;
-    gh_status status = gh_newton(m, &a);
+    gh_status status = m->options.method == GH_METHOD_RELAXATION ? gh_relax(m, &a) : gh_newton(m, &a);
     r->iterations = a.iterations;
+    r->relaxed = a.relaxed;
     if (status == GH_OK) status = substep_accept(m, &a, a.iterations - before, w, r);
     else if (status == GH_DIVERGED) status = substep_recover(m, &a, w, r);
     if (status == GH_OK) continue;

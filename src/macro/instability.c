@@ -107,10 +107,14 @@ gh_status gh_instability_explain(gh_macro *m, const gh_attempt *a, const gh_macr
   gh_name_unjammed(m, unjammed, sizeof unjammed);
   if (*unjammed && !strstr(gh_message(m->ctx), unjammed)) /* the reason may have said it */
     snprintf(floating, sizeof floating, "; %s", unjammed);
-  double acoustic = material_find_softest(m, &point);
-  return gh_fail(
-      m->ctx, GH_DIVERGED,
-      "no equilibrium after %d bisections and %d instabilities stepped over: %s; residual %.3g%s%s; "
-      "smallest acoustic eigenvalue %.3g at integration point %d%s",
-      r->cuts, r->jumps, gh_message(m->ctx), a->residual, node, change, acoustic, point, floating);
+  char softest[96] = "";
+  if (m->options.method != GH_METHOD_RELAXATION) {
+    const double acoustic = material_find_softest(m, &point);
+    snprintf(softest, sizeof softest, "; smallest acoustic eigenvalue %.3g at integration point %d", acoustic,
+             point);
+  }
+  return gh_fail(m->ctx, GH_DIVERGED,
+                 "no equilibrium after %d bisections and %d instabilities stepped over: %s; residual "
+                 "%.3g%s%s%s%s",
+                 r->cuts, r->jumps, gh_message(m->ctx), a->residual, node, change, softest, floating);
 }

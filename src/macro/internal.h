@@ -158,6 +158,12 @@ typedef struct gh_instability {
   double change;   /* by how much */
 } gh_instability;
 
+/* Relaxation by damped central differences (relaxation.c). Entries are those of residuals; mass is one for
+ * which the critical time step is 1. The arrays are parts of `numbers`. */
+typedef struct gh_relax_arrays {
+  double *numbers, *mass, *velocity, *last, *shape, *work; /* the last three: scratch */
+} gh_relax_arrays;
+
 /* What has added up since the energy was set to zero (energy.c). All of it is saved with the state. */
 typedef struct gh_tally {
   double inner, outer, freed;      /* work; freed: external minus internal of steps that were not balanced */
@@ -203,6 +209,7 @@ struct gh_macro {
   double *trial;        /* of `next` */
   double *du;
   gh_instability instability;
+  gh_relax_arrays relax; /* none with Newton alone */
   double *elastic; /* npoints x 16: tangents at u = 0 before the first increment; NULL when not in use */
   bool started;    /* the stress at u = 0 is known */
   bool solved;     /* an increment was started */
@@ -236,11 +243,12 @@ gh_status gh_macro_start(gh_macro *m);
 typedef struct gh_attempt {
   const gh_loads *to;
   double t;
-  int substep, iterations;
-  double residual, scale;         /* of m->now */
-  double before[GH_MACRO_MEMORY]; /* residuals of m->now in this substep, the latest first; 0: none */
-  bool released;                  /* fading forces do not act */
-  bool present;                   /* iterate with current tangents, whatever the option states */
+  int substep, iterations, relaxed; /* relaxed: of the iterations, by relaxation */
+  double residual, scale;           /* of m->now */
+  double kinetic;                   /* kinetic energy over internal work, in relaxation */
+  double before[GH_MACRO_MEMORY];   /* residuals of m->now in this substep, the latest first; 0: none */
+  bool released;                    /* fading forces do not act */
+  bool present;                     /* iterate with current tangents, whatever the option states */
 } gh_attempt;
 
 /* External forces at the fraction t and at displacements u; f: ndof. Without `fade` those that fade are left
@@ -269,6 +277,15 @@ bool gh_residual_converged(const gh_macro *m, const gh_attempt *a);
 double gh_residual_along(const gh_macro *m, const gh_attempt *a, const double *R);
 /* The residual over the forces that act: 1 where there are none. */
 double gh_relative_residual(const gh_attempt *a);
+/* m->du: what prescribed entries of m->now lack at the fraction a->t, zero elsewhere; true when there is any.
+ */
+bool gh_prescribe(gh_macro *m, const gh_attempt *a);
+/* m->next.u = m->now.u moved by s times m->du, footings as rigid bodies. */
+void gh_step_move(gh_macro *m, double s);
+/* m->next, whose residual is m->trial, becomes the iterate. */
+void gh_step_accept(gh_macro *m, gh_attempt *a, double residual, double scale);
+/* To the watch. */
+void gh_iteration_report(const gh_macro *m, const gh_attempt *a, int iteration, double first, double step);
 
 /* ---- newton.c ---- */
 
@@ -280,8 +297,17 @@ gh_status gh_newton(gh_macro *m, gh_attempt *a);
  * rearrangements (method 6). GH_OK: m->now is in equilibrium and committed, m->eq is the same. */
 gh_status gh_follow(gh_macro *m, gh_attempt *a);
 
+/* ---- relaxation.c ---- */
+
+gh_status gh_relax_check(gh_context *ctx, const gh_macro_options *o);
+gh_status gh_relax_allocate(gh_macro *m);
+/* The same as gh_newton by damped central differences. */
+gh_status gh_relax(gh_macro *m, gh_attempt *a);
+
 /* ---- energy.c ---- */
 
+/* Of the stresses from m->eq to m->now, trapezoidal. */
+double gh_internal_work(const gh_macro *m);
 /* m->eq was evaluated as the first state: energies are counted from here. */
 void gh_energy_begin(gh_macro *m);
 /* The body goes from m->eq at the fraction t0 to m->now at a->t, which is about to be committed. evaluated:

@@ -11,7 +11,21 @@ gh_macro_options gh_macro_defaults(void) {
                             .cut_steps = 6,
                             .line_search = true,
                             .memory = 1,
-                            .pass_jumps = true};
+                            .pass_jumps = true,
+                            .damping_ratio = 1,
+                            .safety = 0.5};
+}
+
+static const char *const method_names[] = {"newton", "relaxation", "automatic"};
+
+bool gh_macro_method_from_name(const char *name, gh_macro_method *method) {
+  for (int k = 0; k < 3; k++)
+    if (!strcmp(name, method_names[k])) return *method = (gh_macro_method)k, true;
+  return false;
+}
+
+const char *gh_macro_method_name(gh_macro_method method) {
+  return method_names[method];
 }
 
 static const char *const tangent_names[] = {"algorithmic", "symmetrised", "frozen", "elastic"};
@@ -44,7 +58,7 @@ static gh_status options_check(gh_context *ctx, const gh_macro_options *o) {
     return gh_fail(ctx, GH_INPUT, "solver: cut_steps %d must lie between 0 and 40", o->cut_steps);
   if (o->tangent < GH_TANGENT_ALGORITHMIC || o->tangent > GH_TANGENT_ELASTIC)
     return gh_fail(ctx, GH_INPUT, "solver: there is no tangent %d", (int)o->tangent);
-  return GH_OK;
+  return gh_relax_check(ctx, o);
 }
 
 static gh_status macro_allocate(gh_macro *m) {
@@ -62,6 +76,7 @@ static gh_status macro_allocate(gh_macro *m) {
     GH_TRY(gh_alloc(m->ctx, 16 * (size_t)m->npoints, sizeof *m->elastic, &m->elastic));
   for (size_t k = 0; k < sizeof longer / sizeof *longer; k++)
     GH_TRY(gh_alloc(m->ctx, 2 * (size_t)m->ndof, sizeof(double), longer[k]));
+  if (m->options.method != GH_METHOD_NEWTON) GH_TRY(gh_relax_allocate(m));
   gh_instability_forget(&m->instability);
   double V, v;
   gh_macro_volumes(m, &V, &v);
@@ -113,6 +128,7 @@ void gh_macro_destroy(gh_macro **macro) {
   free(m->du);
   free(m->instability.u);
   free(m->elastic);
+  free(m->relax.numbers);
   free(m);
   *macro = NULL;
 }
@@ -132,7 +148,7 @@ const double *gh_macro_P(const gh_macro *m) {
   return m->eq.P;
 }
 const double *gh_macro_A(const gh_macro *m) {
-  return m->eq.A;
+  return m->options.method == GH_METHOD_RELAXATION ? NULL : m->eq.A;
 }
 const double *gh_macro_reactions(const gh_macro *m) {
   return m->reaction;

@@ -73,12 +73,7 @@ static void tangent_assemble(gh_macro *m, const gh_attempt *a) {
 /* One trial of length s: m->next, its residual and the residual's work. */
 static gh_status step_try(gh_macro *m, gh_attempt *a, double s, double *residual, double *scale,
                           double *work) {
-  for (int d = 0; d < m->ndof; d++) m->next.u[d] = m->now.u[d] + s * m->du[d];
-  for (int k = 0; k < m->nfootings; k++) {
-    const double *q = m->du + m->ndof + 3 * k;
-    gh_footing_move(m->mesh, m->footing + k, (const double[3]){s * q[0], s * q[1], s * q[2]}, m->now.u,
-                    m->next.u);
-  }
+  gh_step_move(m, s);
   if (newton_keeps_factor(m, a)) GH_TRY(gh_macro_evaluate_stress(m, &m->next, &m->now));
   else GH_TRY(gh_macro_evaluate(m, &m->next));
   gh_residual_find(m, a, &m->next, NULL, m->trial);
@@ -102,16 +97,6 @@ static double attempt_bound(const gh_macro *m, const gh_attempt *a) {
   if (worst <= m->options.memory_above * a->scale) return worst;
   for (int k = 0; k < m->options.memory; k++) worst = fmax(worst, a->before[k]);
   return worst;
-}
-
-static void step_accept(gh_macro *m, gh_attempt *a, double residual, double scale) {
-  gh_state_swap(&m->now, &m->next);
-  gh_farm_keep(m->farm);
-  double *swap = m->residual;
-  m->residual = m->trial;
-  m->trial = swap;
-  a->residual = residual;
-  a->scale = scale;
 }
 
 static bool status_is_fatal(gh_status s) {
@@ -144,7 +129,7 @@ static gh_status line_search(gh_macro *m, gh_attempt *a, double *step, int *weak
     }
     if (residual <= (1 - decrease * tried) * beat || gh_within(residual, gh_residual_limit(m, scale)) ||
         (gh_within(fabs(work), slope * fabs(work0)) && residual <= growth * now)) {
-      step_accept(m, a, residual, scale);
+      gh_step_accept(m, a, residual, scale);
       return GH_OK;
     }
     if (residual < best_residual) {
@@ -158,7 +143,7 @@ static gh_status line_search(gh_macro *m, gh_attempt *a, double *step, int *weak
     double residual, scale, work;
     *step = best;
     GH_TRY(step_try(m, a, best, &residual, &scale, &work));
-    step_accept(m, a, residual, scale);
+    gh_step_accept(m, a, residual, scale);
     return GH_OK;
   }
   if (failure != GH_OK && !isfinite(m->instability.residual)) return GH_DIVERGED; /* its message states why */
@@ -171,35 +156,8 @@ static gh_status step_full(gh_macro *m, gh_attempt *a) {
   gh_instability_forget(&m->instability);
   gh_status status = step_try(m, a, 1, &residual, &scale, &work);
   if (status != GH_OK) return status_is_fatal(status) ? status : GH_DIVERGED;
-  step_accept(m, a, residual, scale);
+  gh_step_accept(m, a, residual, scale);
   return GH_OK;
-}
-
-/* The prescribed part of du; true when there is any. */
-static bool correction_prescribe(gh_macro *m, const gh_attempt *a) {
-  bool any = false;
-  for (int d = 0; d < gh_residual_size(m); d++) {
-    m->du[d] = 0;
-    if (gh_residual_is_free(m, a, d) || !a->to->fixed[d]) continue;
-    double target = a->t < 1 ? m->from[d] + a->t * (a->to->value[d] - m->from[d]) : a->to->value[d];
-    m->du[d] = target - m->now.u[d];
-    any = any || m->du[d] != 0;
-  }
-  return any;
-}
-
-static void iteration_report(const gh_macro *m, const gh_attempt *a, int iteration, double first,
-                             double step) {
-  if (!m->watch) return;
-  gh_macro_iteration it = {.substep = a->substep,
-                           .iteration = iteration,
-                           .residual = a->residual,
-                           .scale = a->scale,
-                           .relative = gh_relative_residual(a),
-                           .first = first > 0 ? a->residual / first : 0,
-                           .step = step,
-                           .seconds = gh_seconds() - m->begin};
-  m->watch(m->watch_data, &it);
 }
 
 static gh_status correction_solve(gh_macro *m, bool again) {
@@ -219,11 +177,11 @@ static gh_status newton_iterate(gh_macro *m, gh_attempt *a) {
   memset(a->before, 0, sizeof a->before);
   gh_state_copy(m, &m->eq, &m->now);
   tangent_assemble(m, a);
-  bool moved = correction_prescribe(m, a);
+  bool moved = gh_prescribe(m, a);
   gh_residual_find(m, a, &m->now, moved ? m->du : NULL, m->residual);
   GH_TRY(gh_residual_measure(m, a, m->residual, &a->residual, &a->scale));
   double first = a->residual, mark = first, step = 1;
-  iteration_report(m, a, 0, first, step);
+  gh_iteration_report(m, a, 0, first, step);
   for (int k = 0; moved || !gh_residual_converged(m, a); k++) {
     if (k == m->options.max_iterations)
       return gh_fail(m->ctx, GH_DIVERGED, "not converged after %d iterations", m->options.max_iterations);
@@ -236,7 +194,7 @@ static gh_status newton_iterate(gh_macro *m, gh_attempt *a) {
     GH_TRY(moved || !m->options.line_search ? step_full(m, a) : line_search(m, a, &step, &weak));
     moved = false;
     a->iterations++;
-    iteration_report(m, a, k + 1, first, step);
+    gh_iteration_report(m, a, k + 1, first, step);
     slow = step < 1 && a->residual > a->before[0] / 2 ? slow + 1 : 0;
     if (slow == SLOW_STEPS && !gh_residual_converged(m, a))
       return gh_fail(m->ctx, GH_DIVERGED, "the residual creeps: %d shortened steps in a row did not halve it",
@@ -277,7 +235,7 @@ static gh_status step_descend(gh_macro *m, gh_attempt *a, double *step) {
     if (k + 1 >= 2 * MOST) return status == GH_OK ? gh_residual_refuse(m, m->trial) : GH_DIVERGED;
     *step = usable ? fmax(0.1 * *step, *step * work0 / (work0 - work)) : 0.5 * *step;
   }
-  step_accept(m, a, residual, scale);
+  gh_step_accept(m, a, residual, scale);
   return GH_OK;
 }
 
@@ -300,7 +258,7 @@ gh_status gh_follow(gh_macro *m, gh_attempt *a) {
     gh_energy_count(m, a, a->t, true, false);
     gh_state_copy(m, &m->now, &m->eq);
     a->iterations++;
-    iteration_report(m, a, k + 1, first, step);
+    gh_iteration_report(m, a, k + 1, first, step);
   }
   return GH_OK;
 }

@@ -12,15 +12,19 @@ const gh_term results_timing_columns[] = {{"step", "as in `history.csv`"},
                                           {"ranks", "number of ranks"},
                                           {0}};
 
-const gh_term results_convergence_columns[] = {{"step", "as in `history.csv`"},
-                                               {"substep", "substep of the increment"},
-                                               {"iteration", "Newton iteration, from 0"},
-                                               {"residual", "norm of the unbalanced forces"},
-                                               {"relative", "over external forces and reactions"},
-                                               {"first", "over the residual at the start of the attempt"},
-                                               {"step_length", "of the line search"},
-                                               {"seconds", "since the start of the increment"},
-                                               {0}};
+const gh_term results_convergence_columns[] = {
+    {"step", "as in `history.csv`"},
+    {"substep", "substep of the increment"},
+    {"iteration", "iteration of Newton, or step of relaxation, from 0"},
+    {"residual", "norm of the unbalanced forces"},
+    {"relative", "over external forces and reactions"},
+    {"first", "over the residual at the start of the attempt"},
+    {"step_length", "of the line search; of relaxation: time step "
+                    "over the critical one"},
+    {"kinetic", "of relaxation: kinetic energy over internal work; "
+                "0 with Newton"},
+    {"seconds", "since the start of the increment"},
+    {0}};
 
 const gh_term results_grain_columns[] = {
     {"id", "number in the dump"},

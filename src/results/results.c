@@ -71,8 +71,8 @@ static gh_status folder_begin(gh_results *r) {
 /* ---- rows ---- */
 
 void gh_results_residual(gh_results *r, const gh_residual_row *q) {
-  gh_text_print(r->convergence, "%d,%d,%d,%.17g,%.17g,%.17g,%.17g,%.17g\n", q->counter, q->substep,
-                q->iteration, q->residual, q->relative, q->first, q->step_length, q->seconds);
+  gh_text_print(r->convergence, "%d,%d,%d,%.17g,%.17g,%.17g,%.17g,%.17g,%.17g\n", q->counter, q->substep,
+                q->iteration, q->residual, q->relative, q->first, q->step_length, q->kinetic, q->seconds);
 }
 
 /* GH_DIVERGED: a column that must be finite is not; the message names it. */

@@ -25,12 +25,13 @@ const gh_term scene_history_sets[] = {
 
 const gh_term scene_history_tail[] = {
     {"dilatancy", "change of the area of the body, percent"},
-    {"iterations", "Newton iterations"},
+    {"iterations", "iterations of Newton, and steps of relaxation"},
     {"substeps", "substeps in which the increment was solved"},
     {"cuts", "bisections of the increment"},
     {"jumps", "instabilities that were stepped over"},
     {"unjammed", "integration points without stress"},
-    {"min_acoustic", "smallest eigenvalue of the acoustic tensors of all points, stress"},
+    {"min_acoustic", "smallest eigenvalue of the acoustic tensors of all points, stress; `nan` "
+                     "with `method: relaxation`"},
     {"residual", "residual over external forces and reactions"},
     {"micro_evaluations", "evaluations of integration points"},
     {"micro_steps", "their relaxation steps"},
@@ -43,6 +44,8 @@ const gh_term scene_history_tail[] = {
     {"coordination", "contacts of a grain that is no rattler, mean over the integration points"},
     {"anisotropy", "of the fabric, mean over the integration points"},
     {0}};
+
+const gh_term scene_history_relaxation[] = {{"relaxed", "steps of relaxation among the iterations"}, {0}};
 
 const gh_term scene_history_estimate[] = {
     {"estimate", "estimated error of the Piola stress, root mean square, relative"},
@@ -81,6 +84,7 @@ const gh_term_list *gh_scene_columns(void) {
   static const gh_term_list all[] = {
       {"history.csv: loads and reactions", scene_history_sets},
       {"history.csv: solution", scene_history_tail},
+      {"history.csv with solver.method relaxation or automatic", scene_history_relaxation},
       {"history.csv with --estimate-error", scene_history_estimate},
       {"results.h5: /stepNNNN", node_datasets},
       {"results.h5: /stepNNNN/points", point_datasets},

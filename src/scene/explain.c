@@ -152,7 +152,26 @@ static void explain_systems(const gh_scene *s, gh_text *out) {
                   "                  nodes of footings are eliminated: three unknowns for each footing\n");
 }
 
-static void explain_solver(const gh_scene *s, gh_text *out) {
+static void explain_relaxation(const gh_scene *s, gh_text *out) {
+  gh_text_print(
+      out,
+      "                  explicit relaxation: damping %g of critical, time step %g of the critical one; "
+      "from stresses\n                  alone, no tangents, nothing is factorised\n",
+      s->solver.damping_ratio, s->solver.safety);
+}
+
+static void explain_relaxing(const gh_scene *s, gh_text *out) {
+  gh_text_print(out, "solver            damped central differences\n");
+  explain_relaxation(s, out);
+  gh_text_print(
+      out,
+      "                  at rest when residual and kinetic energy over internal work are at most %g; at "
+      "most %d steps\n"
+      "                  an increment that does not come to rest is halved up to %d times\n",
+      s->solver.tolerance, s->solver.max_iterations, s->solver.cut_steps);
+}
+
+static void explain_newton(const gh_scene *s, gh_text *out) {
   static const char *const matrix[] = {
       [GH_TANGENT_ALGORITHMIC] = "the consistent tangent",
       [GH_TANGENT_SYMMETRISED] = "the symmetric part of the consistent tangent",
@@ -167,13 +186,23 @@ static void explain_solver(const gh_scene *s, gh_text *out) {
   gh_text_print(out,
                 "                  an increment that fails is halved up to %d times; instabilities are %s\n",
                 s->solver.cut_steps, s->solver.pass_jumps ? "stepped over and counted" : "not stepped over");
+  if (s->solver.method == GH_METHOD_AUTOMATIC) {
+    gh_text_print(out, "                  where that stops, to the same tolerance:\n");
+    explain_relaxation(s, out);
+  }
+}
+
+static void explain_solver(const gh_scene *s, gh_text *out) {
+  const bool stress = s->solver.method == GH_METHOD_RELAXATION;
+  if (stress) explain_relaxing(s, out);
+  else explain_newton(s, out);
   if (s->at_once > 1)
     gh_text_print(
         out,
         "increments        automatic: up to %d planned ones at once after easy ones, fewer after hard "
         "ones\n",
         s->at_once);
-  explain_systems(s, out);
+  if (!stress) explain_systems(s, out);
 }
 
 static void explain_error(const gh_scene *s, gh_text *out) {
@@ -297,9 +326,16 @@ static void print_progress(const gh_run_summary *m, gh_text *out) {
                 m->jumps == 1 ? "instability" : "instabilities");
 }
 
+static void print_relaxation(const gh_run_summary *m, gh_text *out) {
+  if (m->relaxed == 0) return;
+  gh_text_print(out, "%d of the iterations, in %d increment%s, were steps of explicit relaxation\n",
+                m->relaxed, m->relaxed_increments, GH_S(m->relaxed_increments));
+}
+
 void gh_summary_print(const gh_run_summary *m, const char *folder, gh_text *out) {
   double rest = m->cost.total - m->cost.relax - m->cost.contacts - m->cost.factorise;
   print_progress(m, out);
+  print_relaxation(m, out);
   if (isfinite(m->min_acoustic))
     gh_text_print(out, "%d of %d integration points unjammed; smallest acoustic eigenvalue %.4g%s\n",
                   m->unjammed, m->points, m->min_acoustic, m->min_acoustic > 0 ? "" : " (ellipticity lost)");

@@ -103,9 +103,11 @@ static void footings_add(walk *w) {
   }
 }
 
-/* The columns of a list of terms. */
+/* The columns of a list of terms. Without tangents there is no acoustic tensor. */
 static void terms_add(walk *w, const gh_term *terms, const double *value) {
-  for (int k = 0; terms[k].name; k++) column_add(w, terms[k].name, false, value[k]);
+  const bool stress = w->scene->solver.method == GH_METHOD_RELAXATION;
+  for (int k = 0; terms[k].name; k++)
+    column_add(w, terms[k].name, stress && !strcmp(terms[k].name, "min_acoustic"), value[k]);
 }
 
 enum { TAIL = 18 };
@@ -164,6 +166,8 @@ static void columns_walk(walk *w) {
   footings_add(w);
   if (w->output) tail_fill(w->output, tail);
   terms_add(w, scene_history_tail, tail);
+  if (w->scene->solver.method != GH_METHOD_NEWTON)
+    terms_add(w, scene_history_relaxation, (const double[]){w->output ? w->output->report->relaxed : 0});
   if (!w->scene->estimate) return;
   if (w->output) estimate_fill(w->output, estimate);
   terms_add(w, scene_history_estimate, estimate);

@@ -169,13 +169,19 @@ const gh_term scene_release_keys[] = {
     {"edge", "required. Edge or set"}, {"set", ""}, {"free", "required. `x`, `y` or `both`"}, {0}};
 
 const gh_term scene_solver_keys[] = {
-    {"method", "`newton`"},
-    {"tolerance", "residual over the sum of external forces and reactions; above 0, below 1, default 1e-8"},
+    {"method", "`newton` (default), `relaxation` (explicit, from stresses alone) or `automatic` (Newton, and "
+               "relaxation where it stops)"},
+    {"tolerance",
+     "residual over the sum of external forces and reactions, with `relaxation` also kinetic energy over "
+     "internal work; above 0, below 1, default 1e-8, with `relaxation` 1e-3"},
+    {"damping_ratio", "of relaxation, over critical damping; above 0, default 1"},
+    {"safety", "of relaxation: time step over the critical one; above 0, below 1, default 0.5"},
     {"line_search", "default `true`"},
     {"search_memory",
      "1 to 10: a step must reduce the residual below the largest of the last so many. Default 1; "
      "with friction and free grains 5"},
-    {"max_iterations", "per attempt; default 20, with a `frozen` or `elastic` tangent 200"},
+    {"max_iterations", "per attempt; default 20, with a `frozen` or `elastic` tangent 200, with "
+                       "`relaxation` 2000"},
     {"cut_steps", "how often a failing increment is bisected, 0 to 30; default 6"},
     {"pass_jumps", "`true` (default): after the last bisection at an instability, step over it and count it; "
                    "`false`: stop"},

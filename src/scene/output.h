@@ -98,8 +98,8 @@ enum {
   HISTORY_FOOTING_UY,
   HISTORY_FOOTING_TURN
 };
-extern const gh_term scene_history_sets[], scene_history_tail[], scene_history_estimate[],
-    scene_number_terms[];
+extern const gh_term scene_history_sets[], scene_history_tail[], scene_history_relaxation[],
+    scene_history_estimate[], scene_number_terms[];
 
 /* ---- record.c: run.json ---- */
 

@@ -9,26 +9,6 @@
 
 enum { MOST_ELEMENTS = 1000000 };
 
-/* ---- small readers ---- */
-
-/* The number 0 < x < 1 behind an optional key. */
-static gh_status fraction(node map, const char *key, double *value) {
-  node n = gh_yaml_get(map, key);
-  if (!gh_yaml_has(n)) return GH_OK;
-  GH_TRY(gh_yaml_positive(n, key, value));
-  if (!(*value < 1)) return gh_yaml_fail(n, "%s is %g, it must be below 1", key, *value);
-  return GH_OK;
-}
-
-static gh_status optional_integer(node map, const char *key, long low, long high, int *value) {
-  node n = gh_yaml_get(map, key);
-  if (!gh_yaml_has(n)) return GH_OK;
-  long x;
-  GH_TRY(gh_yaml_integer(n, key, low, high, &x));
-  *value = (int)x;
-  return GH_OK;
-}
-
 /* ---- material: contact, micro ---- */
 
 /* The number at an optional key of `contact`, 0 or more. */
@@ -38,18 +18,6 @@ static gh_status optional_amount(node map, const char *key, double *value) {
   GH_TRY(gh_yaml_finite(n, key, value));
   if (!(*value >= 0)) return gh_yaml_fail(n, "%s is %g, it must not be negative", key, *value);
   return GH_OK;
-}
-
-/* One of two words: 0 or 1. */
-static gh_status optional_choice(node map, const char *key, const char *const words[2], int *value) {
-  node n = gh_yaml_get(map, key);
-  const char *word;
-  *value = 0;
-  if (!gh_yaml_has(n)) return GH_OK;
-  GH_TRY(gh_yaml_text(n, key, &word));
-  *value = strcmp(word, words[1]) == 0;
-  if (*value || strcmp(word, words[0]) == 0) return GH_OK;
-  return gh_yaml_fail(n, "%s '%s' is none of %s, %s", key, word, words[0], words[1]);
 }
 
 /* The coefficient of friction, from one of two keys. */
@@ -82,10 +50,12 @@ static gh_status read_tangential(gh_contact_law *law, node contact) {
   law->tangential_stiffness = law->normal_stiffness;
   if (gh_yaml_has(n)) GH_TRY(gh_yaml_positive(n, "tangential_stiffness", &law->tangential_stiffness));
   GH_TRY(optional_amount(contact, "hardening", &law->hardening));
-  GH_TRY(optional_choice(contact, "rotations", (const char *[]){"free", "fixed"}, &law->fixed_rotations));
-  GH_TRY(optional_choice(contact, "slip", (const char *[]){"projected", "objective"}, &slip));
+  GH_TRY(
+      scene_optional_choice(contact, "rotations", (const char *[]){"free", "fixed"}, &law->fixed_rotations));
+  GH_TRY(scene_optional_choice(contact, "slip", (const char *[]){"projected", "objective"}, &slip));
   law->slip = slip ? GH_SLIP_OBJECTIVE : GH_SLIP_PROJECTED;
-  GH_TRY(optional_choice(contact, "hardening_law", (const char *[]){"printed", "proportional"}, &hardening));
+  GH_TRY(scene_optional_choice(contact, "hardening_law", (const char *[]){"printed", "proportional"},
+                               &hardening));
   law->hardening_law = hardening ? GH_HARDENING_PROPORTIONAL : GH_HARDENING_PRINTED;
   return GH_OK;
 }
@@ -161,11 +131,12 @@ static gh_status read_micro(gh_scene *s, node root) {
   if (gh_yaml_has(n = gh_yaml_get(micro, "max_steps")))
     GH_TRY(gh_yaml_integer(n, "max_steps", 1, 2000000000, &s->micro.max_steps));
   if (gh_yaml_has(n = gh_yaml_get(micro, "accept"))) GH_TRY(gh_yaml_positive(n, "accept", &s->micro.accept));
-  GH_TRY(fraction(micro, "servo_gain", &s->micro.servo_gain));
-  GH_TRY(fraction(micro, "servo_tolerance", &s->micro.servo_tolerance));
-  GH_TRY(optional_integer(micro, "servo_acceleration", 0, GH_SERVO_DEPTH, &s->micro.servo_acceleration));
-  GH_TRY(optional_integer(micro, "resident", 1, 1000000000, &s->resident));
-  return fraction(micro, "tolerance", &s->micro.tolerance);
+  GH_TRY(scene_fraction(micro, "servo_gain", &s->micro.servo_gain));
+  GH_TRY(scene_fraction(micro, "servo_tolerance", &s->micro.servo_tolerance));
+  GH_TRY(
+      scene_optional_integer(micro, "servo_acceleration", 0, GH_SERVO_DEPTH, &s->micro.servo_acceleration));
+  GH_TRY(scene_optional_integer(micro, "resident", 1, 1000000000, &s->resident));
+  return scene_fraction(micro, "tolerance", &s->micro.tolerance);
 }
 
 /* ---- mesh ---- */
@@ -283,57 +254,7 @@ static gh_status read_start(gh_scene *s, node root) {
   return GH_OK;
 }
 
-/* ---- solver, the whole ---- */
-
-/* Frozen and elastic tangents converge linearly, in cheap iterations. */
-enum { PATIENT_ITERATIONS = 200, AT_ONCE = 16, MOST_AT_ONCE = 1 << 10, MEMORY_WITH_BRANCHES = 5 };
-/* Over the tolerance of the packings: residuals of the body that this tolerance leaves. */
-static const double NOISE = 10;
-
-static gh_status read_tangent(gh_scene *s, node solver) {
-  node n = gh_yaml_get(solver, "tangent");
-  const char *word;
-  if (!gh_yaml_has(n)) return GH_OK;
-  GH_TRY(gh_yaml_text(n, "tangent", &word));
-  if (!gh_tangent_from_name(word, &s->solver.tangent))
-    return gh_yaml_fail(n, "tangent '%s' is none of algorithmic, symmetrised, frozen, elastic", word);
-  if (s->solver.tangent == GH_TANGENT_FROZEN || s->solver.tangent == GH_TANGENT_ELASTIC)
-    s->solver.max_iterations = PATIENT_ITERATIONS;
-  return GH_OK;
-}
-
-static gh_status read_increments(gh_scene *s, node solver) {
-  int automatic;
-  node n = gh_yaml_get(solver, "at_once");
-  s->at_once = 1;
-  GH_TRY(optional_choice(solver, "increments", (const char *[]){"planned", "automatic"}, &automatic));
-  if (!automatic && gh_yaml_has(n)) return gh_yaml_fail(n, "at_once needs `increments: automatic`");
-  if (automatic) s->at_once = AT_ONCE;
-  return optional_integer(solver, "at_once", 1, MOST_AT_ONCE, &s->at_once);
-}
-
-static gh_status read_solver(gh_scene *s, node root) {
-  node solver = gh_yaml_get(root, "solver"), n;
-  s->at_once = 1;
-  if (gh_rve_has_branches(&s->micro)) s->solver.memory = MEMORY_WITH_BRANCHES;
-  s->solver.memory_above = NOISE * s->micro.tolerance;
-  if (!gh_yaml_has(solver)) return GH_OK;
-  GH_TRY(gh_yaml_map(solver, "solver", scene_solver_keys));
-  if (gh_yaml_has(n = gh_yaml_get(solver, "method"))) {
-    const char *word;
-    GH_TRY(gh_yaml_text(n, "method", &word));
-    if (strcmp(word, "newton") != 0)
-      return gh_yaml_fail(n, "method '%s' is not known; there is: newton", word);
-  }
-  GH_TRY(fraction(solver, "tolerance", &s->solver.tolerance));
-  GH_TRY(scene_optional_bool(solver, "line_search", &s->solver.line_search));
-  GH_TRY(optional_integer(solver, "search_memory", 1, GH_MACRO_MEMORY, &s->solver.memory));
-  GH_TRY(scene_optional_bool(solver, "pass_jumps", &s->solver.pass_jumps));
-  GH_TRY(read_tangent(s, solver));
-  GH_TRY(read_increments(s, solver));
-  GH_TRY(optional_integer(solver, "max_iterations", 1, 10000, &s->solver.max_iterations));
-  return optional_integer(solver, "cut_steps", 0, 30, &s->solver.cut_steps);
-}
+/* ---- the whole ---- */
 
 static gh_status read_labels(gh_scene *s, node root) {
   node n = gh_yaml_get(root, "title"), units = gh_yaml_get(root, "units");
@@ -355,7 +276,7 @@ static gh_status read_root(gh_scene *s, node root, const char *folder) {
   GH_TRY(read_labels(s, root));
   GH_TRY(read_contact(s, root));
   GH_TRY(read_micro(s, root));
-  GH_TRY(read_solver(s, root));
+  GH_TRY(scene_read_solver(s, root));
   GH_TRY(read_mesh(s, root, folder));
   GH_TRY(read_start(s, root));
   GH_TRY(scene_read_fixes(s, gh_yaml_get(root, "supports"), "supports", "fix", &s->supports, &s->nsupports));

@@ -14,6 +14,12 @@ gh_status scene_pair(node n, const char *what, double value[2]);
 /* Number of entries of an optional list. */
 gh_status scene_list_length(node list, const char *what, int *length);
 
+/* The number 0 < x < 1 behind an optional key. */
+gh_status scene_fraction(node map, const char *key, double *value);
+gh_status scene_optional_integer(node map, const char *key, long low, long high, int *value);
+/* One of two words: 0 or 1. */
+gh_status scene_optional_choice(node map, const char *key, const char *const words[2], int *value);
+
 /* ---- keys.c: what each map of a scene may hold ---- */
 
 extern const gh_term scene_root_keys[], scene_units_keys[], scene_ensemble_keys[], scene_contact_keys[],
@@ -33,6 +39,10 @@ gh_status scene_read_packings(gh_scene *s, node root, const char *folder);
 gh_status scene_read_fixes(gh_scene *s, node list, const char *what, const char *key, scene_fix **fixes,
                            int *count);
 gh_status scene_read_steps(gh_scene *s, node root);
+
+/* ---- read_solver.c ---- */
+
+gh_status scene_read_solver(gh_scene *s, node root);
 
 /* ---- read_results.c ---- */
 

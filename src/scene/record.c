@@ -54,8 +54,12 @@ static void add_options(gh_json root, const gh_scene *s, const gh_farm *farm) {
   gh_json_number(micro, "accept", s->micro.accept);
   gh_json_number(micro, "grains", s->packings[0]->n);
   gh_json_number(micro, "points", gh_farm_size(farm));
-  gh_json_text(solver, "method", "newton");
+  gh_json_text(solver, "method", gh_macro_method_name(s->solver.method));
   gh_json_number(solver, "tolerance", s->solver.tolerance);
+  if (s->solver.method != GH_METHOD_NEWTON) {
+    gh_json_number(solver, "damping_ratio", s->solver.damping_ratio);
+    gh_json_number(solver, "safety", s->solver.safety);
+  }
   gh_json_number(solver, "max_iterations", s->solver.max_iterations);
   gh_json_number(solver, "cut_steps", s->solver.cut_steps);
   gh_json_truth(solver, "line_search", s->solver.line_search);
@@ -131,6 +135,8 @@ static void add_summary(gh_json root, const gh_run_summary *m) {
   gh_json_number(o, "steps", m->steps);
   gh_json_number(o, "increments", m->increments);
   gh_json_number(o, "iterations", m->iterations);
+  gh_json_number(o, "relaxation_iterations", m->relaxed);
+  gh_json_number(o, "relaxation_increments", m->relaxed_increments);
   gh_json_number(o, "substeps", m->substeps);
   gh_json_number(o, "cuts", m->cuts);
   gh_json_number(o, "jumps", m->jumps);

@@ -30,13 +30,27 @@ typedef struct run {
 
 /* ---- one increment ---- */
 
+/* Steps of relaxation are many and cheap. */
+static void tell_relaxation(run *r, const gh_macro_iteration *it) {
+  enum { EVERY = 20 };
+  if (it->iteration % EVERY > 0) return;
+  gh_log(r->ctx, GH_LEVEL_INFO,
+         "%s %d/%d  part %d  relaxation %4d  relative residual %9.2e  kinetic energy over work %9.2e  %.2f s",
+         gh_scene_step_name(r->scene, r->step), r->increment, gh_scene_increments(r->scene, r->step),
+         it->substep + 1, it->iteration, it->relative, it->kinetic, it->seconds);
+}
+
 static void watch(void *data, const gh_macro_iteration *it) {
   run *r = data;
   r->last = *it;
   if (r->output.results)
     gh_results_residual(r->output.results,
                         &(gh_residual_row){r->counter, it->substep, it->iteration, it->residual, it->relative,
-                                           it->first, it->step, it->seconds});
+                                           it->first, it->step, it->kinetic, it->seconds});
+  if (it->kinetic > 0) {
+    tell_relaxation(r, it);
+    return;
+  }
   gh_log(r->ctx, GH_LEVEL_INFO,
          "%s %d/%d  part %d  iteration %2d  relative residual %9.2e  step length %.3g  %.2f s",
          gh_scene_step_name(r->scene, r->step), r->increment, gh_scene_increments(r->scene, r->step),
@@ -62,6 +76,8 @@ static gh_status ask_stop(const run *r) {
 
 static void add_up(run *r, const gh_macro_report *report) {
   r->sum.iterations += report->iterations;
+  r->sum.relaxed += report->relaxed;
+  r->sum.relaxed_increments += report->relaxed > 0;
   r->sum.substeps += report->substeps;
   r->sum.cuts += report->cuts;
   r->sum.jumps += report->jumps;
@@ -71,13 +87,16 @@ static void add_up(run *r, const gh_macro_report *report) {
 static void tell_increment(run *r, const gh_macro_report *report) {
   double V, v;
   const int unjammed = r->output.unjammed;
+  char acoustic[64] = "";
+  if (!isnan(r->output.min_acoustic))
+    snprintf(acoustic, sizeof acoustic, ", smallest acoustic eigenvalue %.3g", r->output.min_acoustic);
   gh_macro_volumes(r->macro, &V, &v);
   gh_log(r->ctx, GH_LEVEL_INFO,
-         "%s %d/%d done: %d iteration%s in %d substep%s, residual %.1e, dilatancy %.4g %%, smallest acoustic "
-         "eigenvalue %.3g, %.2f s (%.2f s micro)",
+         "%s %d/%d done: %d iteration%s in %d substep%s, residual %.1e, dilatancy %.4g %%%s, %.2f s (%.2f s "
+         "micro)",
          gh_scene_step_name(r->scene, r->step), r->increment, gh_scene_increments(r->scene, r->step),
          report->iterations, GH_S(report->iterations), report->substeps, GH_S(report->substeps),
-         report->relative, 100 * (v / V - 1), r->output.min_acoustic, report->seconds, report->micro_seconds);
+         report->relative, 100 * (v / V - 1), acoustic, report->seconds, report->micro_seconds);
   if (report->jumps > 0)
     gh_log(r->ctx, GH_LEVEL_WARNING,
            "%s %d: passed %d jump%s of the packings: the path is not continuous there",
