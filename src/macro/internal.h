@@ -277,6 +277,9 @@ bool gh_residual_converged(const gh_macro *m, const gh_attempt *a);
 double gh_residual_along(const gh_macro *m, const gh_attempt *a, const double *R);
 /* The residual over the forces that act: 1 where there are none. */
 double gh_relative_residual(const gh_attempt *a);
+
+/* ---- step.c ---- */
+
 /* m->du: what prescribed entries of m->now lack at the fraction a->t, zero elsewhere; true when there is any.
  */
 bool gh_prescribe(gh_macro *m, const gh_attempt *a);

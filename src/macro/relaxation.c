@@ -10,7 +10,7 @@
  * Prescribed displacements are carried into the body by the same K, with conjugate gradients: imposed on one
  * row of elements alone they would rearrange its packings. Nothing is factorised.
  *
- * The kinetic energy alone vanishes wherever the body turns, and is small where it creeps. So it counts as at
+ * The kinetic energy alone vanishes wherever the body reverses, and is small where it creeps. So it counts as at
  * rest when the kinetic energy of the coming half step is small against the work of the increment and the
  * residual forces are what Newton's iteration would accept at this tolerance. */
 #include "macro/internal.h"
