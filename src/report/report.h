@@ -28,6 +28,7 @@ typedef struct report {
   int n;                          /* complete increments, the start included: 0 ... n - 1 */
   int np;                         /* integration points */
   double *gauss;                  /* np x 2 */
+  bool tangents;                  /* there are acoustic tensors; else these are NAN */
   double *acoustic;               /* n x np */
   double *cauchy;                 /* np x 4 at the last increment */
   int least;                      /* point with the smallest acoustic eigenvalue at the last increment */

@@ -3,6 +3,7 @@
 #include "report/report.h"
 
 #include <stdlib.h>
+#include <string.h>
 
 /* A column of history.csv from the increment `first` on; `number` turns a row into a value. */
 typedef struct columns {
@@ -81,6 +82,7 @@ static void draw_residuals(report *r, const columns *c) {
 
 static void draw_stability(report *r, const columns *c) {
   char label[160];
+  if (!r->tangents) return;
   report_chart chart = {.title = "Smallest acoustic eigenvalue of all points",
                         .x_label = "increment",
                         .y_label =
@@ -202,7 +204,8 @@ static int table_columns(const report *r, int column[MOST_COLUMNS]) {
   column[n++] = r->curve.dilatancy;
   for (size_t j = 0; j < sizeof more / sizeof *more; j++) {
     int c = report_table_column(&r->history, more[j]);
-    if (c >= 0) column[n++] = c;
+    const bool known = r->tangents || strcmp(more[j], "min_acoustic") != 0;
+    if (c >= 0 && known) column[n++] = c;
   }
   return n;
 }

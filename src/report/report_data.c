@@ -127,8 +127,16 @@ static gh_status count_increments(report *r) {
   return GH_OK;
 }
 
+/* Explicit relaxation computes stresses alone. */
+static bool has_tangents(const report *r) {
+  const cJSON *at = cJSON_GetObjectItemCaseSensitive(r->run, "options");
+  at = cJSON_GetObjectItemCaseSensitive(cJSON_GetObjectItemCaseSensitive(at, "solver"), "method");
+  return !cJSON_IsString(at) || strcmp(at->valuestring, "relaxation") != 0;
+}
+
 static gh_status read_points(report *r) {
   size_t np = (size_t)r->np, n = (size_t)r->n;
+  r->tangents = has_tangents(r);
   GH_TRY(gh_alloc(r->ctx, n * np, sizeof *r->acoustic, &r->acoustic));
   for (size_t k = 0; k < n; k++) {
     char name[64];

@@ -60,7 +60,7 @@ static gh_status read_frame(report *r, int k, frame *f) {
   f->acoustic = r->acoustic + (size_t)k * np;
   GH_TRY(report_field(r, k, "displacement", nn, 3, &f->u));
   GH_TRY(report_field(r, k, "von_mises", nn, 1, &f->mises));
-  GH_TRY(report_field(r, k, "points/acoustic_angle", np, 1, &f->angle));
+  if (r->tangents) GH_TRY(report_field(r, k, "points/acoustic_angle", np, 1, &f->angle));
   return nodal_shear(r, k, &f->shear);
 }
 
@@ -399,9 +399,10 @@ static gh_status print_fields(picture *p) {
   gh_text_print(r->out, "<div class=\"grid\">\n");
   GH_TRY(print_field(p, MISES, title[MISES], "Stress at the nodes, averaged over the elements."));
   GH_TRY(print_field(p, SHEAR, title[SHEAR], "Principal Green strains; 0 in the packing as read."));
-  GH_TRY(print_field(p, ACOUSTIC, title[ACOUSTIC],
-                     "At the integration points. \xe2\x89\xa4 0: ellipticity is lost; the line shows how a "
-                     "band would run."));
+  if (r->tangents)
+    GH_TRY(print_field(p, ACOUSTIC, title[ACOUSTIC],
+                       "At the integration points. \xe2\x89\xa4 0: ellipticity is lost; the line shows how a "
+                       "band would run."));
   gh_text_print(r->out, "</div>\n");
   return GH_OK;
 }

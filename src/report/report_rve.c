@@ -374,7 +374,7 @@ static gh_status print_head(report *r, int point) {
   if (point == r->most_shown)
     gh_text_print(r->out, ", the largest von Mises stress%s",
                   point == r->most ? "" : " of the recorded points");
-  if (point == r->least_shown)
+  if (r->tangents && point == r->least_shown)
     gh_text_print(r->out, ", the smallest acoustic eigenvalue%s",
                   point == r->least ? "" : " of the recorded points");
   gh_text_print(r->out, "</h3>\n<p class=\"soft\">Element %d, at (%.4g, %.4g)", point / 4,
@@ -387,8 +387,10 @@ static gh_status print_head(report *r, int point) {
   }
   gh_text_print(r->out, "; ");
   GH_TRY(print_numbers(r, point));
-  gh_text_print(r->out, "acoustic eigenvalue %.4g.</p>\n",
-                r->acoustic[(size_t)(r->n - 1) * (size_t)r->np + (size_t)point]);
+  if (r->tangents)
+    gh_text_print(r->out, "acoustic eigenvalue %.4g.</p>\n",
+                  r->acoustic[(size_t)(r->n - 1) * (size_t)r->np + (size_t)point]);
+  else gh_text_print(r->out, "no acoustic tensor.</p>\n");
   return GH_OK;
 }
 

@@ -124,6 +124,7 @@ static void list_lost(report *r, int k) {
 }
 
 static void tell_ellipticity(report *r) {
+  if (!r->tangents) return;
   int first = -1, now = lost_at(r, r->n - 1);
   for (int k = r->n - 1; k >= 0; k--)
     if (lost_at(r, k)) first = k;
