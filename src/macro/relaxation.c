@@ -23,6 +23,9 @@
 static const double strain = 1e-6;
 /* Conjugate gradients end at this share of the first residual: they carry displacements, and do not solve. */
 static const double carried = 1e-4;
+/* Where relaxation stands in for Newton it has other ways beside it: it ends when so many steps in a row did
+ * not halve the smallest residual, as they do to and fro over a discontinuity. */
+enum { PATIENCE = 150 };
 enum { STEPS = 2000, POWERS = 30, GRADIENTS = 2000, ARRAYS = 5 };
 
 gh_status gh_relax_check(gh_context *ctx, const gh_macro_options *o) {
@@ -220,21 +223,26 @@ static bool body_is_at_rest(const gh_macro *m, const gh_attempt *a) {
 }
 
 static gh_status body_relax(gh_macro *m, gh_attempt *a) {
-  const int most = m->options.method == GH_METHOD_RELAXATION ? m->options.max_iterations : STEPS;
+  const bool alone = m->options.method == GH_METHOD_RELAXATION;
   const double first = a->residual;
-  double damping = 0;
+  double damping = 0, least = first;
+  int most = alone ? m->options.max_iterations : PATIENCE;
   bool rest = true, stiff = false;
   for (int k = 0;; k++) {
     const double energy = body_accelerate(m, a, damping, rest), work = fabs(gh_internal_work(m));
     a->kinetic = energy == 0 ? 0 : work > 0 ? energy / work : 1;
     gh_iteration_report(m, a, k, first, m->options.safety);
     if (body_is_at_rest(m, a)) return GH_OK;
-    if (k == most)
+    if (!alone && a->residual <= 0.5 * least) {
+      least = a->residual;
+      most = k + PATIENCE < STEPS ? k + PATIENCE : STEPS;
+    }
+    if (k >= most)
       return gh_fail(
           m->ctx, GH_DIVERGED,
           "the body does not come to rest in %d steps: relative residual %.3g, kinetic energy %.3g "
           "of the internal work",
-          most, gh_relative_residual(a), a->kinetic);
+          k, gh_relative_residual(a), a->kinetic);
     for (int d = 0; d < gh_residual_size(m); d++) m->du[d] = m->options.safety * m->relax.velocity[d];
     GH_TRY(body_move(m, a));
     const double square = step_stiffness(m, a);
