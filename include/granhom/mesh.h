@@ -42,6 +42,9 @@ GH_API gh_status gh_mesh_check(gh_context *ctx, const gh_mesh *mesh);
 GH_API bool gh_quad_convex(const double x[4][2]);
 /* Index of the set of that name; -1 when there is none. */
 GH_API int gh_mesh_find(const gh_mesh *mesh, const char *name);
+/* The same, which for `bottom_left`, `bottom_right`, `top_left` and `top_right` is made where the mesh has none
+ * of that name: the one node that the sets of both words share. *set -1: there is none. GH_MEMORY. */
+GH_API gh_status gh_mesh_find_corner(gh_context *ctx, gh_mesh *mesh, const char *name, int *set);
 /* Name of degree of freedom 2 a + i, component i of node a: "node 7 at (1, 2) in x". Returns text. */
 enum { GH_DOF_NAME = 96 };
 GH_API const char *gh_mesh_dof_name(const gh_mesh *mesh, int dof, char text[GH_DOF_NAME]);

@@ -47,6 +47,57 @@ int gh_mesh_find(const gh_mesh *mesh, const char *name) {
   return -1;
 }
 
+/* The one node that two sets share; -1: none, or several. */
+static int shared_node(const gh_mesh *mesh, const char *one, const char *other) {
+  const int a = gh_mesh_find(mesh, one), b = gh_mesh_find(mesh, other);
+  int shared = -1;
+  if (a < 0 || b < 0) return -1;
+  for (int i = 0; i < mesh->sets[a].nnodes; i++)
+    for (int j = 0; j < mesh->sets[b].nnodes; j++) {
+      if (mesh->sets[a].nodes[i] != mesh->sets[b].nodes[j]) continue;
+      if (shared >= 0) return -1;
+      shared = mesh->sets[a].nodes[i];
+    }
+  return shared;
+}
+
+static gh_status add_point(gh_context *ctx, gh_mesh *mesh, const char *name, int node) {
+  const size_t n = (size_t)mesh->nsets;
+  gh_mesh_set *sets;
+  GH_TRY(gh_alloc(ctx, n + 1, sizeof *sets, &sets));
+  gh_mesh_set *set = sets + n;
+  gh_status status = gh_alloc(ctx, strlen(name) + 1, 1, &set->name);
+  if (status == GH_OK) status = gh_alloc(ctx, 1, sizeof *set->nodes, &set->nodes);
+  if (status != GH_OK) {
+    free(set->name);
+    free(sets);
+    return status;
+  }
+  strcpy(set->name, name);
+  set->nodes[0] = node;
+  set->nnodes = 1;
+  memcpy(sets, mesh->sets, n * sizeof *sets);
+  free(mesh->sets);
+  mesh->sets = sets;
+  mesh->nsets++;
+  return GH_OK;
+}
+
+gh_status gh_mesh_find_corner(gh_context *ctx, gh_mesh *mesh, const char *name, int *set) {
+  static const char *const corners[][3] = {{"bottom_left", "bottom", "left"},
+                                           {"bottom_right", "bottom", "right"},
+                                           {"top_left", "top", "left"},
+                                           {"top_right", "top", "right"}};
+  *set = gh_mesh_find(mesh, name);
+  for (int k = 0; *set < 0 && k < 4; k++) {
+    const int node = strcmp(name, corners[k][0]) == 0 ? shared_node(mesh, corners[k][1], corners[k][2]) : -1;
+    if (node < 0) continue;
+    GH_TRY(add_point(ctx, mesh, name, node));
+    *set = mesh->nsets - 1;
+  }
+  return GH_OK;
+}
+
 const char *gh_mesh_dof_name(const gh_mesh *mesh, int dof, char text[GH_DOF_NAME]) {
   int a = dof / 2;
   snprintf(text, GH_DOF_NAME, "node %d at (%g, %g) in %c", a, mesh->X[2 * a], mesh->X[2 * a + 1],

@@ -92,12 +92,13 @@ const gh_term scene_start_keys[] = {
                 "state)"},
     {0}};
 
-const gh_term scene_mesh_keys[] = {{"rectangle", "equal quadrilaterals, below; sets `left right bottom top`"},
-                                   {"gmsh",
-                                    "file name: MSH 2.2 or 4.1, ASCII; physical groups of lines and points "
-                                    "are the sets"},
-                                   {"move", "list of nodes to move, below"},
-                                   {0}};
+const gh_term scene_mesh_keys[] = {
+    {"rectangle", "equal quadrilaterals, below; sets `left right bottom top`, and where a scene names them "
+                  "`bottom_left` and the other corners"},
+    {"gmsh", "file name: MSH 2.2 or 4.1, ASCII; physical groups of lines and points "
+             "are the sets"},
+    {"move", "list of nodes to move, below"},
+    {0}};
 
 const gh_term scene_rectangle_keys[] = {{"size", "required. `[width, height]`"},
                                         {"elements", "required. `[m, n]`"},

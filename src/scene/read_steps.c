@@ -8,7 +8,7 @@
 enum { MOST_INCREMENTS = 1000000 };
 
 /* The set named by `edge` or `set`. Edges are needed where a pressure acts. */
-static gh_status find_set(const gh_scene *s, node map, const char *what, bool edges, int *set) {
+static gh_status find_set(gh_scene *s, node map, const char *what, bool edges, int *set) {
   node n = gh_yaml_get(map, "edge"), other = gh_yaml_get(map, "set");
   if (gh_yaml_has(n) && gh_yaml_has(other))
     return gh_yaml_fail(map, "%s: give 'edge' or 'set', not both", what);
@@ -16,7 +16,8 @@ static gh_status find_set(const gh_scene *s, node map, const char *what, bool ed
   if (!gh_yaml_has(n)) return gh_yaml_fail(map, "%s needs the key 'edge'", what);
   const char *name;
   GH_TRY(gh_yaml_text(n, "edge", &name));
-  *set = gh_mesh_find(s->mesh, name);
+  GH_TRY(gh_mesh_find_corner(s->ctx, s->mesh, name, set));
+  s->nsets = s->mesh->nsets;
   if (*set < 0) {
     char known[256] = "";
     size_t at = 0;

@@ -62,7 +62,7 @@ near("coordination_gap", [0, 4 - (7 - 1 / 3) / 2, 2])
 E
 check "mean, scatter and gap, interpolated over the load steps" python3 wanted.py c.csv
 check "the summary has the largest gap and its load step" grep -Eq '^top_y +-110 +-100 .* 5%  +-10% +1$' said.out
-check "and says that the others end earlier" grep -q 'to load step 1, where the first of the others ends' said.out
+check "and states that the others end earlier" grep -q 'to load step 1, where the first of the others ends' said.out
 check "a row of the table goes to standard output" sh -c '"$1" compare run a b -o - | sed -n 3p | grep -q "^0.5,-1,0,0,"' sh "$granhom"
 if command -v gnuplot >/dev/null; then check "the picture" sh -c 'head -c 4 c.png | grep -q PNG'; else echo "skip - no gnuplot"; fi
 "$granhom" compare run a >one.out 2>said.err

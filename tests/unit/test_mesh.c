@@ -227,15 +227,41 @@ static void test_gmsh_truncated(void **state) {
   }
 }
 
+static void corners_of_a_rectangle(void **state) {
+  gh_context *ctx = *state;
+  const double low[2] = {0, 0}, size[2] = {2, 3};
+  const int elements[2] = {2, 3};
+  static const struct {
+    const char *name;
+    double X[2];
+  } corners[] = {
+      {"bottom_left", {0, 0}}, {"bottom_right", {2, 0}}, {"top_left", {0, 3}}, {"top_right", {2, 3}}};
+  gh_mesh *mesh;
+  int set;
+  assert_int_equal(gh_mesh_rectangle(ctx, low, size, elements, &mesh), GH_OK);
+  assert_int_equal(gh_mesh_find_corner(ctx, mesh, "middle", &set), GH_OK);
+  assert_int_equal(set, -1);
+  for (int k = 0; k < 4; k++) {
+    assert_int_equal(gh_mesh_find_corner(ctx, mesh, corners[k].name, &set), GH_OK);
+    assert_int_equal(set, 4 + k);
+    assert_int_equal(mesh->sets[set].nnodes, 1);
+    assert_int_equal(mesh->sets[set].nedges, 0);
+    for (int i = 0; i < 2; i++) assert_true(mesh->X[2 * mesh->sets[set].nodes[0] + i] == corners[k].X[i]);
+  }
+  assert_int_equal(gh_mesh_find_corner(ctx, mesh, "left", &set), GH_OK);
+  assert_int_equal(set, 0);
+  assert_int_equal(gh_mesh_find_corner(ctx, mesh, "top_left", &set), GH_OK); /* once */
+  assert_int_equal(set, 6);
+  assert_int_equal(mesh->nsets, 8);
+  gh_mesh_destroy(&mesh);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(test_rectangle),
-      cmocka_unit_test(test_gauss),
-      cmocka_unit_test(test_rectangle_refused),
-      cmocka_unit_test(test_check),
-      cmocka_unit_test(test_gmsh),
-      cmocka_unit_test(test_gmsh_refused),
-      cmocka_unit_test(test_gmsh_truncated),
+      cmocka_unit_test(test_rectangle),    cmocka_unit_test(corners_of_a_rectangle),
+      cmocka_unit_test(test_gauss),        cmocka_unit_test(test_rectangle_refused),
+      cmocka_unit_test(test_check),        cmocka_unit_test(test_gmsh),
+      cmocka_unit_test(test_gmsh_refused), cmocka_unit_test(test_gmsh_truncated),
   };
   return cmocka_run_group_tests(tests, make_context, drop_context);
 }
