@@ -16,7 +16,8 @@ typedef struct gh_mesh_set {
   char *name;
   int nnodes, nedges;
   int *nodes;      /* ascending */
-  int (*edges)[2]; /* may be empty (a set of points, or of inner lines) */
+  int (*edges)[2]; /* may be empty (a set of points, or of inner lines); each once */
+  int nlines;      /* lines that are no edge of the boundary */
 } gh_mesh_set;
 
 typedef struct gh_mesh {
@@ -38,6 +39,13 @@ GH_API gh_status gh_mesh_read_gmsh(gh_context *ctx, const char *path, gh_mesh **
 /* Jacobian > 0 at every Gauss point and every corner angle below 180 degrees, else GH_INPUT naming the
  * element. */
 GH_API gh_status gh_mesh_check(gh_context *ctx, const gh_mesh *mesh);
+/* What does not fit: a node in or on a quadrilateral of which it is no corner (element -1: none), which overlaps
+ * there or whose neighbour hangs on its side; nodes at the very same place, which leave a slit between theirs
+ * (ntwins 0: none). GH_MEMORY. */
+typedef struct gh_mesh_misfits {
+  int element, node, ntwins, twin[2];
+} gh_mesh_misfits;
+GH_API gh_status gh_mesh_find_misfits(gh_context *ctx, const gh_mesh *mesh, gh_mesh_misfits *found);
 /* True when the quadrilateral with corners x (counter-clockwise) is convex with an area. */
 GH_API bool gh_quad_convex(const double x[4][2]);
 /* Index of the set of that name; -1 when there is none. */

@@ -65,7 +65,8 @@ static gh_status load(gh_yaml *doc, const gh_reader *r) {
   if (!yaml_parser_initialize(&parser))
     return gh_fail(doc->ctx, GH_MEMORY, "%s: no memory to read it", doc->path);
   yaml_parser_set_encoding(&parser, YAML_UTF8_ENCODING);
-  yaml_parser_set_input_string(&parser, (const unsigned char *)r->text, r->length);
+  const size_t mark = strncmp(r->text, "\xEF\xBB\xBF", 3) == 0 ? 3 : 0; /* a byte order mark */
+  yaml_parser_set_input_string(&parser, (const unsigned char *)r->text + mark, r->length - mark);
   if (!yaml_parser_load(&parser, &doc->document)) {
     s = fail_parse(doc, &parser, r->text);
   } else if (count_of(doc) == 0) {

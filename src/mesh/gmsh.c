@@ -137,6 +137,27 @@ done:
   return status;
 }
 
+/* Quadrilaterals that overlap, or a node that hangs on the side of one, make a body that nobody means; a slit
+ * may be meant. */
+static gh_status mesh_check_misfits(const gh_msh *g, gh_msh_cell *const *quads, const gh_mesh *mesh) {
+  gh_mesh_misfits found;
+  GH_TRY(gh_mesh_find_misfits(g->s.ctx, mesh, &found));
+  const double *x = mesh->X + 2 * (size_t)(found.node >= 0 ? found.node : 0);
+  if (found.element >= 0)
+    return gh_fail(g->s.ctx, GH_INPUT,
+                   "%s:%d: quadrilateral %ld has a node of others in it or on its side, at (%g, %g): "
+                   "quadrilaterals must not overlap, and must meet at their corners",
+                   g->s.path, quads[found.element]->line, quads[found.element]->id, x[0], x[1]);
+  x = mesh->X + 2 * (size_t)(found.ntwins ? found.twin[0] : 0);
+  if (found.ntwins)
+    gh_log(g->s.ctx, GH_LEVEL_WARNING,
+           "%s: %d node%s at the place of another, the first at (%g, %g): nothing joins them, and the body "
+           "has a "
+           "slit there (Coherence joins them in Gmsh)",
+           g->s.path, found.ntwins, found.ntwins == 1 ? " is" : "s are", x[0], x[1]);
+  return GH_OK;
+}
+
 static gh_status mesh_build(gh_msh *g, gh_mesh *mesh) {
   gh_msh_cell **quads = NULL;
   int n;
@@ -144,6 +165,7 @@ static gh_status mesh_build(gh_msh *g, gh_mesh *mesh) {
   GH_TRY_OR(cells_find_nodes(g), done);
   GH_TRY_OR(quads_collect(g, &quads, &n), done);
   GH_TRY_OR(mesh_fill(g, quads, n, mesh), done);
+  GH_TRY_OR(mesh_check_misfits(g, quads, mesh), done);
   status = gh_msh_sets(g, mesh);
 done:
   free(quads);

@@ -44,9 +44,10 @@ static gh_status members_list(const gh_msh *g, member **members, int *n) {
   return GH_OK;
 }
 
-/* Nodes and edges of one physical group. Nodes that no quadrilateral uses are not in the mesh. */
+/* Nodes and edges of one physical group. Nodes that no quadrilateral uses are not in the mesh. listed: of each
+ * edge of the boundary, at first false. */
 static gh_status set_fill(gh_msh *g, const member *members, int n, const gh_mesh_edge *outer, int nouter,
-                          gh_mesh_set *set) {
+                          bool *listed, gh_mesh_set *set) {
   GH_TRY(gh_alloc(g->s.ctx, 2 * (size_t)n, sizeof *set->nodes, &set->nodes));
   GH_TRY(gh_alloc(g->s.ctx, (size_t)n, sizeof *set->edges, &set->edges));
   for (int k = 0; k < n; k++) {
@@ -57,9 +58,11 @@ static gh_status set_fill(gh_msh *g, const member *members, int n, const gh_mesh
       node[a] = g->nodes[cell->node[a]].index;
       if (node[a] >= 0) set->nodes[set->nnodes++] = node[a];
     }
-    if (node[0] < 0 || node[1] < 0) continue;
-    const gh_mesh_edge *found = gh_mesh_find_edge(outer, nouter, node[0], node[1]);
-    if (!found) continue;
+    const bool within = node[0] >= 0 && node[1] >= 0;
+    const gh_mesh_edge *found = within ? gh_mesh_find_edge(outer, nouter, node[0], node[1]) : NULL;
+    if (!found && cell->nnodes == 2) set->nlines++;
+    if (!found || listed[found - outer]) continue; /* by another line */
+    listed[found - outer] = true;
     set->edges[set->nedges][0] = found->a;
     set->edges[set->nedges++][1] = found->b;
   }
@@ -85,7 +88,10 @@ static gh_status set_name(gh_msh *g, int dim, long tag, gh_mesh_set *set) {
 static gh_status set_add(gh_msh *g, const member *members, int n, const gh_mesh_edge *outer, int nouter,
                          gh_mesh *mesh) {
   gh_mesh_set set = {0};
-  gh_status status = set_fill(g, members, n, outer, nouter, &set);
+  bool *listed;
+  GH_TRY(gh_alloc(g->s.ctx, (size_t)nouter, sizeof *listed, &listed));
+  gh_status status = set_fill(g, members, n, outer, nouter, listed, &set);
+  free(listed);
   if (status == GH_OK && set.nnodes > 0) status = set_name(g, members->dim, members->tag, &set);
   if (status != GH_OK || set.nnodes == 0) {
     free(set.nodes);

@@ -29,6 +29,9 @@ static gh_status find_set(gh_scene *s, node map, const char *what, bool edges, i
   }
   if (edges && s->mesh->sets[*set].nedges == 0)
     return gh_yaml_fail(n, "a %s needs edges of the boundary, and set '%s' has none", what, name);
+  if (edges && s->mesh->sets[*set].nlines > 0)
+    return gh_yaml_fail(n, "a %s needs edges of the boundary, and %d of the lines of set '%s' %s none", what,
+                        s->mesh->sets[*set].nlines, name, s->mesh->sets[*set].nlines == 1 ? "is" : "are");
   return GH_OK;
 }
 

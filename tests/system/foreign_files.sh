@@ -33,6 +33,18 @@ for mesh in plain parametric; do
 done
 check 'parameters of nodes change nothing' cmp plain/history.csv parametric/history.csv
 
+{ printf '\xEF\xBB\xBF'; sed 's/mesh.msh/plain.msh/' scene.yaml; } >marked.yaml
+cp "$data/foreign/plain_v22.msh" plain.msh
+"$granhom" run marked.yaml -o marked --quiet >said 2>said.err
+say $? 'a scene with a byte order mark runs'
+check '  to the same results' cmp plain/history.csv marked/history.csv
+# a line across a square in a set that is pressed
+sed 's/^31$/32/; s/^1 15 2 7 3 3$/&\n99 1 2 3 5 1 15/' plain.msh >odd.msh
+scene odd.msh
+sed 's/displace: .*}], /pressure: [{edge: top, to: 0.01}], /' scene.yaml >pressed.yaml
+refused_by run 'a pressure on a line that is no edge' "pressed.yaml:6: a pressure needs edges of the boundary, and 1 of the lines of set 'top' is none" \
+  ../pressed.yaml -o out --quiet
+
 # refused_mesh NAME WORDS: mesh.msh is refused; the message has the mesh's name before its line
 refused_mesh() { scene mesh.msh && refused_by run "$1" "$2" ../scene.yaml -o out --quiet; }
 printf '$NOD\n1\n1 0 0 0\n$ENDNOD\n' >mesh.msh

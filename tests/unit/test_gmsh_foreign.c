@@ -229,6 +229,52 @@ static void many_groups_take_little_time(void **state) {
   }
 }
 
+/* A line that is listed twice, also from its other end, is one edge: a pressure acts once. Lines that are no edge
+ * of the boundary are counted. */
+static void lines_count_once(void **state) {
+  place *p = *state;
+  gh_mesh *m;
+  snprintf(
+      text, sizeof text, "%s%s%s%s", head, names, nodes,
+      "$Elements\n8\n1 1 2 1 1 4 1\n2 1 2 1 1 1 4\n3 1 2 1 1 4 1\n4 1 2 2 2 3 6\n5 1 2 2 2 2 5\n6 1 2 2 2 1 "
+      "6\n7 3 2 3 1 1 2 5 4\n8 3 2 3 1 2 3 6 5\n$EndElements\n");
+  assert_int_equal(gh_mesh_read_gmsh(p->ctx, put_file(p, "a.msh", text), &m), GH_OK);
+  const gh_mesh_set *left = m->sets + gh_mesh_find(m, "left"), *right = m->sets + gh_mesh_find(m, "right");
+  assert_int_equal(left->nedges, 1);
+  assert_int_equal(left->nlines, 0);
+  assert_int_equal(right->nedges, 1);
+  assert_int_equal(right->nlines, 2); /* between the squares, and across */
+  gh_mesh_destroy(&m);
+}
+
+/* Squares that share an area, a node that hangs on a side: refused by the line of the element. Nodes that lie at
+ * one place are counted. In both directions: the nodes are looked through along one axis. */
+static void quadrilaterals_meet_at_corners(void **state) {
+  static const char *const across[] = {
+      "$Elements\n2\n1 3 2 3 1 1 3 6 4\n2 3 2 3 1 1 2 5 4\n$EndElements\n", /* one square covers the other */
+      "$Elements\n3\n1 3 2 3 1 1 3 6 4\n2 3 2 3 1 4 5 8 7\n3 3 2 3 1 5 6 9 8\n$EndElements\n"}; /* node 5 hangs */
+  static const char
+      more[] = "$Nodes\n9\n1 0 0 0\n2 1 0 0\n3 2 0 0\n4 0 1 0\n5 1 1 0\n6 2 1 0\n7 0 2 0\n8 1 2 0\n9 "
+               "2 2 0\n$EndNodes\n",
+      turned[] = "$Nodes\n9\n1 0 0 0\n2 0 1 0\n3 0 2 0\n4 1 0 0\n5 1 1 0\n6 1 2 0\n7 2 0 0\n8 2 1 0\n"
+                 "9 2 2 0\n$EndNodes\n",
+      twin[] = "$Nodes\n7\n1 0 0 0\n2 1 0 0\n3 2 0 0\n4 0 1 0\n5 1 1 0\n6 2 1 0\n7 1 0 0\n$EndNodes\n",
+      slit[] = "$Elements\n2\n1 3 2 3 1 1 2 5 4\n2 3 2 3 1 7 3 6 5\n$EndElements\n";
+  place *p = *state;
+  gh_mesh *m;
+  gh_mesh_misfits found;
+  for (int k = 0; k < 2; k++)
+    for (int turn = 0; turn < 2; turn++)
+      assert_refused(p, put_mesh(p, head, names, turn ? turned : more, across[k], ""),
+                     ":24: quadrilateral 1 has a node of others in it or on its side");
+  assert_int_equal(gh_mesh_read_gmsh(p->ctx, put_mesh(p, head, names, twin, slit, ""), &m), GH_OK);
+  assert_int_equal(gh_mesh_find_misfits(p->ctx, m, &found), GH_OK);
+  assert_int_equal(found.element, -1);
+  assert_int_equal(found.ntwins, 1);
+  assert_true(m->X[2 * found.twin[0]] == 1 && m->X[2 * found.twin[1]] == 1);
+  gh_mesh_destroy(&m);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {TEST(sections_without_meaning_are_passed_over),
                                      TEST(line_ends_and_marks_are_no_obstacle),
@@ -236,6 +282,8 @@ int main(void) {
                                      TEST(versions_are_named),
                                      TEST(elements_are_named),
                                      TEST(a_mesh_without_surfaces_says_why),
+                                     TEST(lines_count_once),
+                                     TEST(quadrilaterals_meet_at_corners),
                                      TEST(many_groups_take_little_time)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
