@@ -49,6 +49,7 @@ typedef struct walk {
   double jump_residual; /* after the last instability */
   double change; /* departure of a stress from its linear prediction when a substep failed last; INFINITY:
                     none did */
+  bool in_vain;  /* relaxation did not come to rest: until the end of the increment it is left alone */
 } walk;
 
 static gh_status substep_accept(gh_macro *m, const gh_attempt *a, int iterations, walk *w,
@@ -120,17 +121,19 @@ static void substep_bisect(walk *w, gh_macro_report *r) {
   r->cuts++;
 }
 
-/* Where Newton has stopped. GH_DIVERGED: not asked for, or it does not come to rest either; the instability
- * that Newton has met stays known. */
-static gh_status substep_relax(gh_macro *m, gh_attempt *a, walk *w, gh_macro_report *r) {
+/* Where Newton has stopped, `last`: for good. GH_DIVERGED: not asked for, or it does not come to rest either:
+ * a stress in the gap of a discontinuity, which it meets once more in each part of the increment. The
+ * instability that Newton has met stays known. */
+static gh_status substep_relax(gh_macro *m, gh_attempt *a, walk *w, gh_macro_report *r, bool last) {
   const int before = a->iterations;
-  if (m->options.method != GH_METHOD_AUTOMATIC) return GH_DIVERGED;
+  if (m->options.method != GH_METHOD_AUTOMATIC || (w->in_vain && !last)) return GH_DIVERGED;
   const gh_instability met = m->instability;
   gh_status status = gh_relax(m, a);
   m->instability = met;
   r->iterations = a->iterations;
   r->relaxed = a->relaxed;
   if (status == GH_OK) return substep_accept(m, a, a->iterations - before, w, r);
+  w->in_vain = true;
   if (status == GH_DIVERGED) GH_TRY(gh_farm_revert(m->farm));
   return status;
 }
@@ -145,7 +148,7 @@ static gh_status substep_recover(gh_macro *m, gh_attempt *a, walk *w, gh_macro_r
   }
   char reason[512];
   snprintf(reason, sizeof reason, "%s", gh_message(m->ctx));
-  gh_status status = substep_relax(m, a, w, r);
+  gh_status status = substep_relax(m, a, w, r, last);
   if (status == GH_DIVERGED) status = instability_step_over(m, a, w, r);
   if (status != GH_DIVERGED) return status;
   GH_TRY(gh_farm_revert(m->farm));

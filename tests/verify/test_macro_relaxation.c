@@ -180,6 +180,24 @@ static void test_automatic(void **state) {
   }
 }
 
+/* A load in the gap of a discontinuity: relaxation tries once, and then Newton steps over it as ever. */
+static void test_gap(void **state) {
+  const material bistable = {.jump_at = 0.95, .jump = -0.2};
+  const double q = 0.1 - confined(0.95, 0);
+  gh_macro_options o = tight();
+  o.method = GH_METHOD_AUTOMATIC;
+  problem p = make_block(*state, 1, 1, 1, 1, &bistable, &o);
+  fix(&p, "left", 0, 0);
+  fix(&p, "right", 0, 0);
+  fix(&p, "bottom", 1, 0);
+  press(&p, "top", q, false);
+  solve(&p);
+  for (int g = 0; g < 4; g++)
+    CLOSE(gh_macro_F(p.macro)[4 * g + 3], bisect(confined, q + bistable.jump, 0.2, 1.5), 1e-11);
+  assert_true(p.report.jumps >= 1 && p.report.relaxed >= 150 && p.report.relaxed < 400);
+  drop(&p);
+}
+
 static void test_names(void **state) {
   gh_macro_method method;
   gh_macro *other = NULL;
@@ -207,6 +225,7 @@ static void test_names(void **state) {
 int main(void) {
   const struct CMUnitTest tests[] = {cmocka_unit_test(test_block),     cmocka_unit_test(test_closed_forms),
                                      cmocka_unit_test(test_footing),   cmocka_unit_test(test_no_rest),
-                                     cmocka_unit_test(test_automatic), cmocka_unit_test(test_names)};
+                                     cmocka_unit_test(test_automatic), cmocka_unit_test(test_gap),
+                                     cmocka_unit_test(test_names)};
   return cmocka_run_group_tests(tests, open_context, close_context);
 }
