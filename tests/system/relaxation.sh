@@ -70,7 +70,7 @@ grep -q 'kinetic energy over work' fine.out; say $? 'a line of progress with bot
 
 "$granhom" run short.yaml -o short --quiet >/dev/null 2>err
 [ $? = 1 ] && grep -q 'no equilibrium after 2 bisections.*does not come to rest in 4 steps: relative residual' err
-say $? 'what does not come to rest is cut, ends with status 1 and says so'
+say $? 'what does not come to rest is cut, ends with status 1 and states so'
 
 wrong() { # wrong SOLVER MESSAGE
   scene taylor "$1" '' >wrong.yaml
