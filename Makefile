@@ -33,7 +33,7 @@ OPT    ?= -O0
 endif
 OPT    ?= -O3
 DEBUGGED := $(if $(filter 1,$(DEBUG))$(filter -O0,$(OPT)),-DGH_DEBUG)
-MODULES ?= base io mesh contact packing engine engine/relax engine/native micro farm control macro prepare results report scene crosscheck
+MODULES ?= base io mesh contact packing engine engine/relax engine/native micro farm control macro prepare direct results report scene crosscheck
 
 # MPI=0: granhom's own code knows no ranks; LAMMPS keeps the MPI that it was built with. HDF5=0: results as text alone.
 MPI    ?= 1

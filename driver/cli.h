@@ -28,8 +28,8 @@ typedef struct cli_command {
   int (*run)(int argc,
              char **argv); /* instead of all this: the exit status; argv[0] is the subcommand's name */
 } cli_command;
-extern const cli_command cli_run, cli_rve, cli_element, cli_study, cli_crosscheck, cli_pack, cli_plot,
-    cli_report, cli_compare, cli_lammps;
+extern const cli_command cli_run, cli_direct, cli_rve, cli_element, cli_study, cli_crosscheck, cli_pack,
+    cli_plot, cli_report, cli_compare, cli_lammps;
 
 /* A context whose log and progress go to standard error: a rewritten line on a terminal, plain lines at most
  * every ten seconds elsewhere. NULL (after a message) when there is no memory. */

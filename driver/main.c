@@ -11,9 +11,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const cli_command *const commands[] = {&cli_run,        &cli_rve,   &cli_element, &cli_study,
-                                              &cli_crosscheck, &cli_pack,  &cli_plot,    &cli_report,
-                                              &cli_compare,    &cli_lammps};
+static const cli_command *const commands[] = {&cli_run,    &cli_direct,     &cli_rve,   &cli_element,
+                                              &cli_study,  &cli_crosscheck, &cli_pack,  &cli_plot,
+                                              &cli_report, &cli_compare,    &cli_lammps};
 enum { COMMANDS = sizeof commands / sizeof *commands };
 
 static void print_help(FILE *out) {

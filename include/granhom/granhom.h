@@ -7,6 +7,7 @@
 #include "granhom/contact.h"
 #include "granhom/control.h"
 #include "granhom/crosscheck.h"
+#include "granhom/direct.h"
 #include "granhom/engine.h"
 #include "granhom/farm.h"
 #include "granhom/finish.h"

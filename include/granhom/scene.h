@@ -149,6 +149,30 @@ typedef struct gh_run_summary {
  * damaged or of another scene, packing, mesh or version. */
 GH_API gh_status gh_scene_run(gh_scene *scene, const char *folder, const gh_run_options *options,
                               gh_run_summary *summary);
+/* ---- the same scene as grains everywhere ---- */
+
+typedef struct gh_direct_run_options {
+  double grains; /* in the area of the mesh: sets their size */
+  bool tile;     /* copies of the first packing; false: one large packing, grown with `seed` */
+  int seed;
+  bool restart;         /* as in gh_run_options */
+  int checkpoint_every; /* likewise */
+  bool (*stop)(void *data);
+  void *stop_data;
+} gh_direct_run_options;
+
+typedef struct gh_direct_summary {
+  int planned, steps, increments; /* steps of the scene, those done, increments without the start */
+  int grains, substeps, cuts;
+  long relaxation_steps;
+  double seconds;
+} gh_direct_summary;
+
+/* As gh_scene_run, with the same files but for rves.h5, traces.h5 and points; dumps/point_0.dump holds all
+ * grains. GH_INPUT too: a scene with footings, more grains than memory. One process. */
+GH_API gh_status gh_scene_direct(gh_scene *scene, const char *folder, const gh_direct_run_options *options,
+                                 gh_direct_summary *summary);
+
 /* The summary in words, a few lines. */
 GH_API void gh_summary_print(const gh_run_summary *summary, const char *folder, gh_text *out);
 

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-2.0-or-later */
 /* The columns of history.csv: loads, reactions, what the solution cost, energies, estimated errors. */
-#include "scene/output.h"
+#include "scene/history.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -35,15 +35,7 @@ static bool set_has_footing(const gh_scene *s, int set) {
 
 /* ---- one walk over all columns, for their names and for a row ---- */
 
-typedef struct walk {
-  const gh_scene *scene;
-  const scene_output *output; /* NULL: names alone */
-  gh_column *column;          /* NULL: values alone, or to be counted */
-  double *value;              /* NULL: names alone */
-  int n;
-} walk;
-
-static void column_add(walk *w, const char *name, bool may_be_nan, double value) {
+void scene_walk_column(scene_walk *w, const char *name, bool may_be_nan, double value) {
   if (w->column) {
     snprintf(w->column[w->n].name, sizeof w->column[w->n].name, "%s", name);
     w->column[w->n].may_be_nan = may_be_nan;
@@ -54,17 +46,17 @@ static void column_add(walk *w, const char *name, bool may_be_nan, double value)
 
 /* A column of scene_history_sets, with the name of the set in the place of SET. Displacements that nothing
  * prescribes are nan. */
-static void set_column_add(walk *w, int column, int set, double value) {
+static void set_column_add(scene_walk *w, int column, int set, double value) {
   const char *name = scene_history_sets[column].name, *at = strstr(name, "SET");
   char of[GH_COLUMN], full[GH_COLUMN + 16];
   if (at) {
     gh_column_name(w->scene->mesh->sets[set].name, of);
     snprintf(full, sizeof full, "%.*s%s%s", (int)(at - name), name, of, at + strlen("SET"));
   }
-  column_add(w, at ? full : name, column == HISTORY_UX || column == HISTORY_UY, value);
+  scene_walk_column(w, at ? full : name, column == HISTORY_UX || column == HISTORY_UY, value);
 }
 
-static void loads_add(walk *w) {
+void scene_walk_loads(scene_walk *w) {
   const gh_scene *s = w->scene;
   for (int set = 0; set < s->nsets; set++) {
     gh_scene_load load;
@@ -83,20 +75,25 @@ static void loads_add(walk *w) {
   for (int i = 0; i < 2; i++) set_column_add(w, HISTORY_GX + i, 0, b[i]);
 }
 
-static void reactions_add(walk *w) {
+void scene_walk_reactions(scene_walk *w, void (*reaction)(const void *data, int set, double sum[2]),
+                          const void *data) {
   for (int set = 0; set < w->scene->nsets; set++) {
     double sum[2] = {0, 0};
-    if (w->output) gh_macro_reaction(w->output->macro, set, sum);
+    if (w->present) reaction(data, set, sum);
     for (int i = 0; i < 2; i++) set_column_add(w, HISTORY_X + i, set, sum[i]);
   }
 }
 
+static void macro_reaction(const void *data, int set, double sum[2]) {
+  gh_macro_reaction(((const scene_output *)data)->macro, set, sum);
+}
+
 /* How footings have moved. */
-static void footings_add(walk *w) {
+static void footings_add(scene_walk *w, const scene_output *o) {
   for (int set = 0; set < w->scene->nsets; set++) {
     double u[2] = {0, 0}, turn = 0;
     if (!set_has_footing(w->scene, set)) continue;
-    if (w->output) gh_macro_footing(w->output->macro, set, u, &turn);
+    if (o) gh_macro_footing(o->macro, set, u, &turn);
     set_column_add(w, HISTORY_FOOTING_UX, set, u[0]);
     set_column_add(w, HISTORY_FOOTING_UY, set, u[1]);
     set_column_add(w, HISTORY_FOOTING_TURN, set, turn);
@@ -104,10 +101,10 @@ static void footings_add(walk *w) {
 }
 
 /* The columns of a list of terms. Without tangents there is no acoustic tensor. */
-static void terms_add(walk *w, const gh_term *terms, const double *value) {
+static void terms_add(scene_walk *w, const gh_term *terms, const double *value) {
   const bool stress = w->scene->solver.method == GH_METHOD_RELAXATION;
   for (int k = 0; terms[k].name; k++)
-    column_add(w, terms[k].name, stress && !strcmp(terms[k].name, "min_acoustic"), value[k]);
+    scene_walk_column(w, terms[k].name, stress && !strcmp(terms[k].name, "min_acoustic"), value[k]);
 }
 
 enum { TAIL = 18 };
@@ -159,34 +156,35 @@ static void estimate_fill(const scene_output *o, double value[GH_ERRORS + 2]) {
   value[GH_ERRORS + 1] = q->last_branched;
 }
 
-static void columns_walk(walk *w) {
+/* o NULL: names alone. */
+static void columns_walk(scene_walk *w, const scene_output *o) {
   double tail[TAIL] = {0}, estimate[GH_ERRORS + 2] = {0};
-  loads_add(w);
-  reactions_add(w);
-  footings_add(w);
-  if (w->output) tail_fill(w->output, tail);
+  scene_walk_loads(w);
+  scene_walk_reactions(w, macro_reaction, o);
+  footings_add(w, o);
+  if (o) tail_fill(o, tail);
   terms_add(w, scene_history_tail, tail);
   if (w->scene->solver.method != GH_METHOD_NEWTON)
-    terms_add(w, scene_history_relaxation, (const double[]){w->output ? w->output->report->relaxed : 0});
+    terms_add(w, scene_history_relaxation, (const double[]){o ? o->report->relaxed : 0});
   if (!w->scene->estimate) return;
-  if (w->output) estimate_fill(w->output, estimate);
+  if (o) estimate_fill(o, estimate);
   terms_add(w, scene_history_estimate, estimate);
 }
 
 gh_status scene_columns_create(const gh_scene *scene, gh_column **columns, int *count) {
-  walk w = {.scene = scene};
-  columns_walk(&w);
+  scene_walk w = {.scene = scene};
+  columns_walk(&w, NULL);
   *count = w.n;
   GH_TRY(gh_alloc(scene->ctx, (size_t)w.n, sizeof **columns, columns));
   w.n = 0, w.column = *columns;
-  columns_walk(&w);
+  columns_walk(&w, NULL);
   return GH_OK;
 }
 
 gh_status scene_row(void *data, const gh_frame *frame, double *value) {
   (void)frame;
   const scene_output *o = data;
-  walk w = {.scene = o->scene, .output = o, .value = value};
-  columns_walk(&w);
+  scene_walk w = {.scene = o->scene, .present = true, .value = value};
+  columns_walk(&w, o);
   return GH_OK;
 }

@@ -137,6 +137,9 @@ gh_status scene_check_confined(gh_scene *scene);
  * known before the run are NAN. */
 gh_status scene_check_stretch(gh_scene *scene, const scene_step *step);
 
+/* run.c: GH_INPUT: the packing is under stress and finds no load at a free boundary. The plan is at the start. */
+gh_status scene_check_start(const gh_scene *scene);
+
 /* estimate.c: solves the increment for both paths, in halves and as a whole, and counts how they differ. */
 gh_status scene_solve_twice(const gh_scene *scene, gh_macro *macro, const gh_loads *loads,
                             gh_macro_report *report, gh_macro_report *whole, gh_run_estimate *estimate);

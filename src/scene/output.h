@@ -3,6 +3,7 @@
 #ifndef GRANHOM_SCENE_OUTPUT_H
 #define GRANHOM_SCENE_OUTPUT_H
 
+#include "io/json.h"
 #include "scene/internal.h"
 
 /* Where a run is after an increment, and what it has counted. */
@@ -104,10 +105,14 @@ extern const gh_term scene_history_sets[], scene_history_tail[], scene_history_r
 /* ---- record.c: run.json ---- */
 
 gh_status scene_record(void *data, const gh_outcome *outcome, gh_text *out);
+/* What both kinds of a run record before and after their own; scene_record_end prints and destroys. */
+void scene_record_begin(gh_json root, const gh_scene *scene, const gh_outcome *outcome);
+gh_status scene_record_end(gh_json root, const gh_scene *scene, gh_text *out);
 
 /* ---- saved.c: checkpoints ---- */
 
 int scene_marks(void *data, gh_mark *list);
+int scene_marks_common(const gh_scene *scene, gh_mark *list); /* of both kinds of a run */
 gh_status scene_save(void *data, gh_archive *a);
 gh_status scene_load(void *data, gh_archive *a);
 gh_status scene_resume(void *data);

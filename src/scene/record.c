@@ -171,33 +171,40 @@ static void add_summary(gh_json root, const gh_run_summary *m) {
   gh_json_number(time, "results", m->results_seconds);
 }
 
-gh_status scene_record(void *data, const gh_outcome *outcome, gh_text *out) {
-  const scene_output *o = data;
-  const gh_scene *scene = o->scene;
-  bool failed = false;
-  gh_json root = {.at = cJSON_CreateObject(), .failed = &failed}, units;
+void scene_record_begin(gh_json root, const gh_scene *scene, const gh_outcome *outcome) {
   gh_json_text(root, "title", scene->title);
   gh_json_text(root, "status", outcome->status);
   if (outcome->message && *outcome->message) gh_json_text(root, "message", outcome->message);
   gh_json_text(root, "started", outcome->started);
   add_program(root, scene);
   add_machine(root, outcome->blas);
-  add_options(root, scene, o->farm);
   add_driven(root, scene);
-  units = gh_json_group(root, "units");
+  gh_json units = gh_json_group(root, "units");
   gh_json_text(units, "length", scene->length_unit);
   gh_json_text(units, "force", scene->force_unit);
-  if (outcome->ended) add_summary(root, o->summary);
-  if (outcome->ended) add_error(root, o->summary, scene->estimate);
+}
+
+gh_status scene_record_end(gh_json root, const gh_scene *scene, gh_text *out) {
   gh_json_text(root, "scene_file", scene->path);
   gh_json_text(root, "packing_file", scene->packing_paths[0]);
   add_packings(root, scene);
   gh_json_text(root, "scene", scene->text);
   add_overrides(root, scene);
-  char *json = failed ? NULL : cJSON_Print(root.at);
+  char *json = *root.failed ? NULL : cJSON_Print(root.at);
   cJSON_Delete(root.at);
-  if (!json) return gh_fail(o->ctx, GH_MEMORY, "no memory for run.json");
+  if (!json) return gh_fail(scene->ctx, GH_MEMORY, "no memory for run.json");
   gh_text_print(out, "%s\n", json);
   free(json);
   return GH_OK;
+}
+
+gh_status scene_record(void *data, const gh_outcome *outcome, gh_text *out) {
+  const scene_output *o = data;
+  bool failed = false;
+  gh_json root = {.at = cJSON_CreateObject(), .failed = &failed};
+  scene_record_begin(root, o->scene, outcome);
+  add_options(root, o->scene, o->farm);
+  if (outcome->ended) add_summary(root, o->summary);
+  if (outcome->ended) add_error(root, o->summary, o->scene->estimate);
+  return scene_record_end(root, o->scene, out);
 }

@@ -288,20 +288,19 @@ static gh_status solve(run *r) {
 
 /* Grains only push: a packing that is under stress at F = I and finds no load at a free boundary has no
  * equilibrium. */
-static gh_status check_start(run *r) {
-  gh_scene *s = r->scene;
+gh_status scene_check_start(const gh_scene *s) {
   if (s->start != SCENE_START_NONE || scene_has_load(s) || !scene_boundary_is_free(s)) return GH_OK;
   double F[4] = {1, 0, 0, 1}, P[4] = {0}, largest = 0;
   for (int p = 0; p < s->npackings && largest < 1e-10 * s->micro.law.normal_stiffness; p++) {
     gh_rve *rve;
-    GH_TRY(gh_rve_create(r->ctx, s->packings[p], &s->micro, &rve));
+    GH_TRY(gh_rve_create(s->ctx, s->packings[p], &s->micro, &rve));
     gh_status status = gh_rve_evaluate(rve, F, 0, P, NULL);
     gh_rve_destroy(&rve);
     GH_TRY(status);
     for (int k = 0; k < 4; k++) largest = gh_max(largest, fabs(P[k]));
   }
   if (largest < 1e-10 * s->micro.law.normal_stiffness) return GH_OK;
-  return gh_fail(r->ctx, GH_INPUT,
+  return gh_fail(s->ctx, GH_INPUT,
                  "%s:%d: the packing is under stress as it is (P11 = %.4g, P22 = %.4g), no load acts at the "
                  "start, and grains only push: "
                  "there is no equilibrium. Give `start: {confinement: p}` (a pressure to start from) or "
@@ -311,7 +310,7 @@ static gh_status check_start(run *r) {
 
 static gh_status begin_start(run *r) {
   r->step = 0, r->increment = 1; /* of which the loads are since open_run */
-  GH_TRY(check_start(r));
+  GH_TRY(scene_check_start(r->scene));
   if (r->scene->start == SCENE_START_BALANCE) GH_TRY(gh_macro_balance(r->macro));
   gh_status status = solve(r);
   if (status == GH_DIVERGED && r->scene->start == SCENE_START_NONE && scene_boundary_is_free(r->scene)) {

@@ -52,22 +52,26 @@ static void mark_sum(gh_mark *mark, uint64_t sum) {
   snprintf(mark->value, sizeof mark->value, "%016" PRIx64, sum);
 }
 
-int scene_marks(void *data, gh_mark *list) {
+int scene_marks_common(const gh_scene *s, gh_mark *list) {
   static const gh_mark names[] = {{"/made/scene", "belongs to another scene file", ""},
                                   {"/made/mesh", "belongs to another mesh", ""},
                                   {"/made/packings", "belongs to other packings", ""},
-                                  {"/made/engine", "was made with another engine", ""},
-                                  {"/made/estimate", "was made with another choice of --estimate-error", ""}};
-  const scene_output *out = data;
-  const gh_scene *s = out->scene;
+                                  {"/made/engine", "was made with another engine", ""}};
   memcpy(list, names, sizeof names);
   mark_sum(list + 0, scene_sum(s));
   mark_sum(list + 1, mesh_sum(s));
   mark_sum(list + 2, packings_sum(s));
   snprintf(list[3].value, sizeof list[3].value, "%s",
            s->micro.engine == GH_ENGINE_NATIVE ? "native" : "lammps");
-  snprintf(list[4].value, sizeof list[4].value, "%s", s->estimate ? "yes" : "no");
   return (int)(sizeof names / sizeof *names);
+}
+
+int scene_marks(void *data, gh_mark *list) {
+  const scene_output *out = data;
+  const int n = scene_marks_common(out->scene, list);
+  list[n] = (gh_mark){.name = "/made/estimate", .what = "was made with another choice of --estimate-error"};
+  snprintf(list[n].value, sizeof list[n].value, "%s", out->scene->estimate ? "yes" : "no");
+  return n + 1;
 }
 
 /* ---- writing ---- */

@@ -34,7 +34,7 @@ good_value() {
   esac
 }
 
-for command in run rve element study crosscheck pack; do
+for command in run direct rve element study crosscheck pack; do
   check "$command has --quiet" sh -c "'$granhom' help $command | grep -q '^  --quiet  *only warnings and errors on the screen$'"
 done
 said rve a.data --path a.csv --normal-stiffness 0,5
