@@ -249,17 +249,15 @@ static double loads_strain(const gh_direct *d, const direct_plan *p) {
   return most / d->options.law.normal_stiffness;
 }
 
-/* At the start pressed edges have the packing's own pressure, in the place of what holds their grains. */
+/* At the start pressed edges have the packing's own pressure, in the place of what has held the boundary. */
 static void pressures_begin(gh_direct *d, direct_plan *p) {
+  bool any = false;
   for (int k = 0; k < d->outline.nedges; k++) {
     d->pressure_dead[k] = p->pressure[k] != 0 && p->follow[k] == 0 ? d->pressure : 0;
     d->follow[k] = p->follow[k] != 0 ? d->pressure : 0;
+    any = any || p->pressure[k] != 0 || p->follow[k] != 0;
   }
-  for (int k = 0; k < d->chain.nmembers; k++) {
-    const chain_member *m = d->chain.member + k;
-    if (p->pressure[m->edge] == 0 && p->follow[m->edge] == 0) continue;
-    for (int i = 0; i < 2; i++) p->fade[2 * m->grain + i] = 0;
-  }
+  if (any) memset(p->fade, 0, 2 * (size_t)d->n * sizeof *p->fade);
 }
 
 gh_status direct_plan_create(gh_direct *d, const gh_direct_loads *loads, direct_plan *p) {
