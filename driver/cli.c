@@ -129,32 +129,6 @@ gh_status cli_finish(gh_context *ctx, gh_status status, gh_status (*last)(void *
   return status == GH_OK ? s : status;
 }
 
-gh_status cli_check_outputs(gh_context *ctx, const char *const *path, int count) {
-  for (int k = 0; k < count; k++) {
-    if (!path[k] || !strcmp(path[k], "-")) continue;
-    for (int m = 0; m < k; m++)
-      if (path[m] && !strcmp(path[m], path[k]))
-        return gh_fail(ctx, GH_INPUT, "%s: two of the results would be written into this file", path[k]);
-    GH_TRY(gh_output_check(ctx, path[k]));
-  }
-  return GH_OK;
-}
-
-gh_status cli_check_inputs_kept(gh_context *ctx, const char *const *output, int outputs,
-                                const char *const *input, int inputs) {
-  struct stat out, in;
-  for (int k = 0; k < outputs; k++) {
-    if (!output[k] || !strcmp(output[k], "-") || stat(output[k], &out) != 0 || !S_ISREG(out.st_mode))
-      continue;
-    for (int m = 0; m < inputs; m++)
-      if (input[m] && strcmp(input[m], "-") && stat(input[m], &in) == 0 && in.st_dev == out.st_dev &&
-          in.st_ino == out.st_ino)
-        return gh_fail(ctx, GH_INPUT, "%s: is an input (%s), and results would be written over it", output[k],
-                       input[m]);
-  }
-  return GH_OK;
-}
-
 gh_status cli_end_of_rows(gh_status status, long rows) {
   return status == GH_INPUT && rows > 0 ? GH_DIVERGED : status;
 }

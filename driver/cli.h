@@ -72,13 +72,12 @@ int cli_share(int value);
 /* Ends all ranks. */
 void cli_abort(int code);
 
-/* Whether files (NULL and "-": none) can be written, before anything is computed. GH_INPUT: one is named
- * twice. */
-gh_status cli_check_outputs(gh_context *ctx, const char *const *path, int count);
-/* GH_INPUT: one of the outputs (NULL and "-": none) is the same file as one of the inputs, by whatever name,
- * so that writing it would destroy what is read. */
-gh_status cli_check_inputs_kept(gh_context *ctx, const char *const *output, int outputs,
-                                const char *const *input, int inputs);
+/* outputs.c: gh_outputs_check, and GH_INPUT where an output is a file in a folder of results of granhom. */
+gh_status cli_check_outputs(gh_context *ctx, const gh_output *output, int outputs, const char *const *input,
+                            int inputs);
+/* The same; the inputs are the results in a folder, and in others. */
+gh_status cli_check_outputs_of(gh_context *ctx, const gh_output *output, int outputs, const char *folder,
+                               const option_more *others);
 /* Wrong input writes nothing. What shows itself only after rows of results are there is no longer that, but a
  * computation that came no further: the rows before it are written, and the exit status is 1. */
 gh_status cli_end_of_rows(gh_status status, long rows);

@@ -61,8 +61,8 @@ static gh_status compare_show(gh_context *ctx, const compare_arguments *a, const
 static gh_status compare_work(gh_context *ctx, void *data) {
   const compare_arguments *a = data;
   gh_comparison *comparison;
-  GH_TRY(gh_output_check(ctx, a->csv));
-  GH_TRY(gh_output_check(ctx, a->png));
+  const gh_output outputs[] = {{a->csv, GH_FILE_PATH}, {a->png, GH_FILE_PICTURE}};
+  GH_TRY(cli_check_outputs_of(ctx, outputs, 2, a->folder, &a->others));
   GH_TRY(gh_comparison_create(ctx, a->folder, a->others.word, a->others.n, &comparison));
   gh_status status = compare_show(ctx, a, comparison);
   gh_comparison_destroy(&comparison);

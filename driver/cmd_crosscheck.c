@@ -168,6 +168,9 @@ static gh_status crosscheck(cross_job *j) {
   GH_TRY(path_set(j));
   GH_TRY(gh_crosscheck_create(j->ctx, &a->o, &j->c));
   GH_TRY(gh_output_folder_check(j->ctx, a->folder));
+  GH_TRY(gh_outputs_within(j->ctx, a->folder,
+                           (const char *const[]){"crosscheck.csv", "refine.csv", "crosscheck.png", NULL},
+                           (const char *const[]){a->p.packing, a->path}, 2));
   GH_TRY(gh_lock_create(j->ctx, a->folder, &j->lock));
   GH_TRY(gh_crosscheck_run(j->c, a->folder));
   if (!a->quiet) GH_TRY(table_print(j));

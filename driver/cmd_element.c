@@ -232,9 +232,9 @@ static gh_status element(job *j) {
   GH_TRY(a->control ? element_spec_read(j->ctx, a->control, &j->spec)
                     : element_spec_read_path(j->ctx, a->path, &j->spec));
   GH_TRY(gh_packing_read(j->ctx, a->p.packing, &j->packing));
-  GH_TRY(cli_check_outputs(j->ctx, (const char *const[]){a->output, a->state.save}, 2));
-  GH_TRY(cli_check_inputs_kept(j->ctx, (const char *const[]){a->output, a->state.save}, 2,
-                               (const char *const[]){a->p.packing, a->control, a->path, a->state.load}, 4));
+  const gh_output outputs[] = {{a->output, GH_FILE_PATH}, {a->state.save, GH_FILE_STATE}};
+  GH_TRY(cli_check_outputs(j->ctx, outputs, 2,
+                           (const char *const[]){a->p.packing, a->control, a->path, a->state.load}, 4));
   bool warned = false;
   if (!a->state.load)
     GH_TRY(gh_limits_check_packing(j->ctx, &a->p.rve, a->p.packing, j->packing, 1, 1, &warned));

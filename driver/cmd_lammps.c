@@ -1,30 +1,69 @@
 /* SPDX-License-Identifier: GPL-2.0-or-later */
 /* granhom lammps: runs a LAMMPS input script with granhom's styles. */
+#define _GNU_SOURCE 1 /* tee, pipe2 */
 #include "cli.h"
 
 #include "granhom/lammps.h"
 
+#include <fcntl.h>
 #include <string.h>
 #include <sys/stat.h>
+#include <time.h>
 #include <unistd.h>
 
-/* The file after -in; NULL when there is none: LAMMPS reads standard input. */
-static const char *script_of(int argc, char **argv) {
+enum { PIPE_WAIT = 5 /* seconds until a pipe has a writer */ };
+
+/* Place of the file after -in; 0 when there is none: LAMMPS reads standard input. */
+static int script_of(int argc, char **argv) {
   for (int k = 1; k + 1 < argc; k++)
-    if (!strcmp(argv[k], "-in") || !strcmp(argv[k], "-i")) return argv[k + 1];
-  return NULL;
+    if (!strcmp(argv[k], "-in") || !strcmp(argv[k], "-i")) return k + 1;
+  return 0;
 }
 
-/* LAMMPS reads the script on rank 0 and sends it to the others. */
-static gh_status check_script(gh_context *ctx, const char *path) {
-  int there = 1;
-  if (cli_rank() == 0 && path && strcmp(path, "none")) {
-    struct stat info;
-    /* a device without an end would be read for ever */
-    there = access(path, R_OK) == 0 && stat(path, &info) == 0 &&
-            (S_ISREG(info.st_mode) || S_ISFIFO(info.st_mode));
+/* Whether somebody writes into a pipe; what is written is not taken out of it. The descriptor does not block.
+ */
+static bool pipe_has_writer(int fd) {
+  const struct timespec moment = {.tv_nsec = 10000000};
+  const double begin = gh_seconds();
+  int look[2];
+  bool found = false;
+  if (pipe2(look, O_CLOEXEC) != 0) return true; /* LAMMPS finds out */
+  while (!found && gh_seconds() - begin < PIPE_WAIT) {
+    found = tee(fd, look[1], 1, SPLICE_F_NONBLOCK) != 0; /* EAGAIN: there is a writer */
+    if (!found) nanosleep(&moment, NULL);
   }
-  return cli_share(there) ? GH_OK : gh_fail(ctx, GH_INPUT, "cannot open the input script %s", path);
+  close(look[0]);
+  close(look[1]);
+  return found;
+}
+
+/* The pipe becomes standard input: LAMMPS would wait for a writer that has written all and gone. */
+static bool pipe_take(const char *path) {
+  const int fd = open(path, O_RDONLY | O_NONBLOCK | O_CLOEXEC);
+  if (fd < 0) return false;
+  const bool taken = pipe_has_writer(fd) && dup2(fd, STDIN_FILENO) >= 0 &&
+                     fcntl(STDIN_FILENO, F_SETFL, fcntl(STDIN_FILENO, F_GETFL) & ~O_NONBLOCK) == 0;
+  close(fd);
+  return taken;
+}
+
+/* LAMMPS reads the script on rank 0 and sends it to the others. A device without an end would be read for ever,
+ * a pipe that nobody writes into be waited for. */
+static gh_status check_script(gh_context *ctx, int *argc, char **argv) {
+  const int at = cli_rank() > 0 ? 0 : script_of(*argc, argv);
+  const char *path = at ? argv[at] : "none";
+  struct stat info = {.st_mode = S_IFREG};
+  int there = !strcmp(path, "none") || (access(path, R_OK) == 0 && stat(path, &info) == 0);
+  const bool fifo = there && S_ISFIFO(info.st_mode);
+  if (fifo) there = pipe_take(path);
+  else there = there && S_ISREG(info.st_mode);
+  if (!cli_share(there))
+    return gh_fail(ctx, GH_INPUT, "cannot open the input script %s%s", path,
+                   fifo ? ": a pipe that nothing is written into" : "");
+  if (!fifo) return GH_OK;
+  for (int k = at - 1; k + 2 <= *argc; k++) argv[k] = argv[k + 2]; /* with the NULL */
+  *argc -= 2;
+  return GH_OK;
 }
 
 static const option_row rows[] = {
@@ -85,7 +124,7 @@ static int run(int argc, char **argv) {
   int exit_status = 0;
   bool alone = false;
   gh_status status = cli_mpi(ctx, false);
-  if (status == GH_OK) status = check_script(ctx, script_of(argc, argv));
+  if (status == GH_OK) status = check_script(ctx, &argc, argv);
   if (status == GH_OK) status = gh_lmp_program(ctx, argc, argv, programs, &exit_status, &alone);
   if (alone && cli_rank() > 0) fprintf(stderr, "granhom: %s\n", gh_message(ctx));
   int code = cli_close(ctx, status);

@@ -22,20 +22,24 @@ static gh_status check_goal(gh_context *ctx, const pack_spec *spec) {
 }
 
 /* Growth takes long: what would fail at its end is tried before. */
+static gh_status check_member(gh_context *ctx, const pack_spec *spec, const char *path, const char *picture) {
+  const gh_output outputs[] = {{path, GH_FILE_PACKING}, {picture, GH_FILE_PICTURE}};
+  return cli_check_outputs(ctx, outputs, 2, (const char *const[]){spec->sieve, spec->file}, 2);
+}
+
 static gh_status check_files(gh_context *ctx, const pack_spec *spec) {
   const char *dot = spec->picture ? strrchr(spec->picture, '.') : NULL;
   if (spec->picture && !(dot && (!strcmp(dot, ".svg") || !strcmp(dot, ".png"))))
     return gh_fail(ctx, GH_INPUT, "--picture: '%s' ends neither in .svg nor in .png", spec->picture);
-  GH_TRY(cli_check_inputs_kept(ctx, (const char *const[]){spec->output, spec->picture}, 2,
-                               (const char *const[]){spec->sieve}, 1));
-  if (!spec->ensemble) return cli_check_outputs(ctx, (const char *const[]){spec->output, spec->picture}, 2);
-  char *path = gh_ensemble_path(spec->output, 1);
-  char *picture = spec->picture ? gh_ensemble_path(spec->picture, 1) : NULL;
-  gh_status status = path && (picture || !spec->picture)
-                         ? cli_check_outputs(ctx, (const char *const[]){path, picture}, 2)
-                         : gh_fail(ctx, GH_MEMORY, "no memory for a path");
-  free(path);
-  free(picture);
+  gh_status status = spec->ensemble ? GH_OK : check_member(ctx, spec, spec->output, spec->picture);
+  for (int k = 1; k <= spec->ensemble && status == GH_OK; k++) {
+    char *path = gh_ensemble_path(spec->output, k);
+    char *picture = spec->picture ? gh_ensemble_path(spec->picture, k) : NULL;
+    status = path && (picture || !spec->picture) ? check_member(ctx, spec, path, picture)
+                                                 : gh_fail(ctx, GH_MEMORY, "no memory for a path");
+    free(path);
+    free(picture);
+  }
   return status;
 }
 

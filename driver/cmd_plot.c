@@ -94,6 +94,7 @@ static gh_status pictures_draw(gh_context *ctx, const plot_arguments *a) {
   GH_TRY(gh_folder_make(ctx, a->folder));
   for (int k = 0; k < PICTURES; k++) {
     if (!chosen[k]) continue;
+    GH_TRY(gh_output_within(ctx, a->folder, pictures[k].name, false));
     char *png = gh_path_join(a->folder, pictures[k].name);
     if (!png) return gh_fail(ctx, GH_MEMORY, "no memory for a path");
     gh_status status = pictures[k].draw(ctx, a, png);

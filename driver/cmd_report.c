@@ -59,7 +59,9 @@ static gh_status report_work(gh_context *ctx, void *data) {
   char *own = a->html ? NULL : gh_path_join(a->folder, "report.html");
   const char *html = a->html ? a->html : own;
   gh_status status = html ? GH_OK : gh_fail(ctx, GH_MEMORY, "no memory for a path");
-  if (status == GH_OK && a->html) status = gh_output_check(ctx, a->html);
+  const gh_output page = {html, GH_FILE_UNKNOWN};
+  if (status == GH_OK && a->html) status = cli_check_outputs_of(ctx, &page, 1, a->folder, &a->others);
+  if (status == GH_OK && !a->html) status = gh_file_regular(ctx, html);
   if (status == GH_OK) status = cli_mpi(ctx, true);
   if (status == GH_OK && a->others.n > 0)
     status = gh_comparison_create(ctx, a->folder, a->others.word, a->others.n, &comparison);

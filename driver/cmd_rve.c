@@ -239,9 +239,12 @@ static gh_status rve(job *j) {
         "--save-state and --load-state need HDF5, and this granhom was built without (make HDF5=0)");
   GH_TRY(gh_packing_read(j->ctx, a->p.packing, &j->packing));
   GH_TRY(path_read(j->ctx, a->path, &j->path));
-  GH_TRY(cli_check_outputs(j->ctx, (const char *const[]){a->output, a->tangent, a->dump, a->state.save}, 4));
-  GH_TRY(cli_check_inputs_kept(j->ctx, (const char *const[]){a->output, a->tangent, a->dump, a->state.save},
-                               4, (const char *const[]){a->p.packing, a->path, a->state.load}, 3));
+  const gh_output outputs[] = {{a->output, GH_FILE_PATH},
+                               {a->tangent, GH_FILE_PATH},
+                               {a->dump, GH_FILE_DUMP},
+                               {a->state.save, GH_FILE_STATE}};
+  GH_TRY(
+      cli_check_outputs(j->ctx, outputs, 4, (const char *const[]){a->p.packing, a->path, a->state.load}, 3));
   GH_TRY(path_check(j->ctx, a->path, &j->path, &a->p.rve, a->p.packing, j->packing));
   packing_note(j->ctx, &a->p);
   GH_TRY(cli_mpi(j->ctx, true));

@@ -5,6 +5,7 @@
 #include "reference.h"
 
 #include <string.h>
+#include <sys/stat.h>
 
 const option_row rve_table_option[] = {{.name = "output",
                                         .letter = 'o',
@@ -39,8 +40,14 @@ void rve_table_row(gh_text *out, long step, const gh_rve_measures *m, double res
   if (gh_rve_has_servo(o)) gh_text_print(out, ",%d", m->sweeps);
 }
 
+/* What goes into a pipe or a device cannot be replaced by more of it. */
+static bool is_stream(const char *path) {
+  struct stat info;
+  return stat(path, &info) == 0 && !S_ISREG(info.st_mode);
+}
+
 gh_status rve_table_write(gh_context *ctx, gh_text *text, const char *path, bool last) {
-  if (!text) return GH_OK;
+  if (!text || (path && !last && is_stream(path))) return GH_OK;
   if (path && strcmp(path, "-")) return gh_text_commit(text, path);
   return last ? cli_print(ctx, text) : GH_OK;
 }

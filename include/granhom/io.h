@@ -40,6 +40,7 @@ typedef enum gh_file_kind {
   GH_FILE_MESH,
   GH_FILE_STATE,
   GH_FILE_BINARY,
+  GH_FILE_HDF5, /* of another program */
   GH_FILE_DUMP,
   GH_FILE_SCRIPT,
   GH_FILE_XML,
@@ -130,12 +131,37 @@ GH_API gh_status gh_text_commit(gh_text *text,
  * a long computation would find at its end. */
 GH_API gh_status gh_file_writable(gh_context *ctx, const char *path);
 /* Whether a file can be written: to be asked before what goes into it is computed. The file is not touched.
- * NULL and "-": nothing. GH_SYSTEM: a folder, no folder to be in, no permission, a full device. */
+ * NULL and "-": nothing. GH_INPUT: the name is that of a folder ("out/", "."). GH_SYSTEM: a folder is there, no
+ * folder to be in, no permission, a full device. */
 GH_API gh_status gh_output_check(gh_context *ctx, const char *path);
 /* The same for a folder that is there or will be made. */
 GH_API gh_status gh_output_folder_check(gh_context *ctx, const char *folder);
-/* GH_INPUT where folder/name is there and is no file, or no folder. */
+/* GH_INPUT where folder/name is there and is no regular file, or no folder. */
 GH_API gh_status gh_output_within(gh_context *ctx, const char *folder, const char *name, bool is_folder);
+/* Whether two names are those of one file: by device and inode, so that links and other spellings count; of
+ * files that are still to be made by their folder and name, behind symbolic links. */
+GH_API bool gh_file_same(const char *a, const char *b);
+/* GH_INPUT: what is there of this name is no regular file but a folder, a pipe or a device. It is not opened: a
+ * pipe would wait for its other end. Nothing there is GH_OK. */
+GH_API gh_status gh_file_regular(gh_context *ctx, const char *path);
+/* A file that a command will write, and what it will be: GH_FILE_PATH for any table, GH_FILE_UNKNOWN where
+ * there is no word for it. path NULL and "-": none. */
+typedef struct gh_output {
+  const char *path;
+  gh_file_kind kind;
+} gh_output;
+/* gh_output_check of all of them. GH_INPUT: two are one file, one is an input (NULL and "-": none), or a file
+ * of another kind is there: a packing, a scene, a state, ... */
+GH_API gh_status gh_outputs_check(gh_context *ctx, const gh_output *output, int outputs,
+                                  const char *const *input, int inputs);
+/* The same for files of these names (the last is NULL) in a folder that may be missing. GH_INPUT: one is there
+ * and no regular file, or is an input. */
+GH_API gh_status gh_outputs_within(gh_context *ctx, const char *folder, const char *const *name,
+                                   const char *const *input, int inputs);
+/* GH_INPUT: the folder holds one of these files (the last is NULL), the results of `whose`: those of another
+ * command would be mixed into them. */
+GH_API gh_status gh_output_unmixed(gh_context *ctx, const char *folder, const char *const *mark,
+                                   const char *whose);
 /* Makes a folder (and its parents). GH_INPUT when path is a file, GH_SYSTEM otherwise. */
 GH_API gh_status gh_folder_make(gh_context *ctx, const char *path);
 /* Whether there is something of this name; a link that leads nowhere is nothing. GH_SYSTEM when the system

@@ -129,10 +129,12 @@ typedef struct gh_solver_results {
 /* ---- the folder ---- */
 
 typedef struct gh_results gh_results;
-/* GH_INPUT, GH_SYSTEM: the folder cannot be written to, or holds folders of the files' names. Touches
- * nothing.
- */
-GH_API gh_status gh_results_folder_check(gh_context *ctx, const char *folder);
+/* The names of the files of a folder of results, of which the last is NULL. */
+GH_API const char *const *gh_results_files(void);
+/* GH_INPUT, GH_SYSTEM: the folder cannot be written to, one of its files is there and no regular file, or is one
+ * of the inputs. Touches nothing. */
+GH_API gh_status gh_results_folder_check(gh_context *ctx, const char *folder, const char *const *input,
+                                         int inputs);
 /* The tables of `solver` must outlive the results. Nothing is written before the first increment. */
 GH_API gh_status gh_results_create(gh_context *ctx, const gh_solver_results *solver, const char *folder,
                                    gh_results **results);

@@ -59,6 +59,8 @@ GH_API const char *gh_scene_length_unit(const gh_scene *scene);
 GH_API const char *gh_scene_force_unit(const gh_scene *scene);
 /* Paths of the packings, each once; *n: how many. They belong to the scene. */
 GH_API char *const *gh_scene_packing_files(const gh_scene *scene, int *n);
+/* All files that the scene was read from, its own first. The caller frees the list, not the names. */
+GH_API gh_status gh_scene_files(const gh_scene *scene, const char ***file, int *n);
 typedef enum gh_scene_loading {
   GH_LOADING_NONE,
   GH_LOADING_DISPLACEMENT,

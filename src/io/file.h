@@ -14,6 +14,17 @@
  * permissions of a file that is replaced stay. GH_SYSTEM with the reason. */
 gh_status gh_file_write(gh_context *ctx, const char *path, const void *bytes, size_t length);
 
+/* ---- target.c ---- */
+
+/* The file behind symbolic links, also where the last of them leads to one that is still to be made; a device
+ * or a pipe as it is named. The caller frees. 0, or errno. */
+int gh_file_target(const char *path, char **target);
+
+/* ---- kind.c ---- */
+
+/* GH_INPUT: there is a file that is evidently of another kind than `written`. */
+gh_status gh_kind_kept(gh_context *ctx, const char *path, gh_file_kind written);
+
 /* ---- read.c ---- */
 
 /* Whose fault it is that a file cannot be opened or read: GH_INPUT for a wrong name or missing permission,

@@ -28,6 +28,7 @@ static const struct {
     [GH_FILE_MESH] = {"a Gmsh mesh", "; a scene names it: mesh: {gmsh: FILE}"},
     [GH_FILE_STATE] = {"a saved state", "; `granhom rve PACKING --load-state` takes it"},
     [GH_FILE_BINARY] = {"a binary file of granhom", ""},
+    [GH_FILE_HDF5] = {"an HDF5 file", ""},
     [GH_FILE_DUMP] = {"a LAMMPS dump", "; read_dump, then write_data makes a packing of it"},
     [GH_FILE_SCRIPT] = {"a LAMMPS script", "; `granhom lammps -in` takes it"},
     [GH_FILE_XML] = {"XML", ""},
@@ -45,6 +46,7 @@ static gh_file_kind kind_by_bytes(const char *text, size_t length) {
                 {"<?xml", GH_FILE_XML},
                 {"granhom binary file, format 1\nkind state", GH_FILE_STATE},
                 {"granhom binary file", GH_FILE_BINARY},
+                {"\x89HDF", GH_FILE_HDF5},
                 {"\x89PNG", GH_FILE_PICTURE},
                 {"%PDF", GH_FILE_PICTURE}};
   for (size_t k = 0; k < sizeof starts / sizeof *starts; k++) {
@@ -157,14 +159,38 @@ static gh_file_kind kind_of(const char *path) {
   text[length] = 0;
   const char *start = length >= 3 && memcmp(text, "\xEF\xBB\xBF", 3) == 0 ? text + 3 : text;
   const gh_file_kind kind = kind_by_bytes(start, length - (size_t)(start - text));
+  if (*start == '<') return kind; /* HTML may hold lines of any kind */
   return kind != GH_FILE_UNKNOWN ? kind : kind_by_lines(text + (start - text));
 }
 
 gh_status gh_file_expect(gh_context *ctx, gh_status status, const char *path, gh_file_kind wanted) {
   if (status != GH_INPUT) return status;
   const gh_file_kind kind = kind_of(path);
-  if (kind == GH_FILE_UNKNOWN || kind == wanted) return status;
+  if (kind == GH_FILE_UNKNOWN || kind == wanted || kind == GH_FILE_HDF5) return status;
   if (kind == GH_FILE_BINARY && wanted == GH_FILE_STATE) return status; /* the seal states more */
   return gh_fail(ctx, GH_INPUT, "%s: looks like %s, and %s is wanted%s", path, kinds[kind].what,
                  kinds[wanted].what, kinds[kind].where);
+}
+
+/* Tables are written over tables; a sieve curve is none of the results. */
+static bool may_replace(gh_file_kind there, gh_file_kind written) {
+  switch (there) {
+  case GH_FILE_UNKNOWN:
+    return true;
+  case GH_FILE_CONDITIONS:
+    return written == GH_FILE_PATH;
+  case GH_FILE_XML:
+    return written == GH_FILE_PICTURE; /* SVG */
+  default:
+    return there == written;
+  }
+}
+
+gh_status gh_kind_kept(gh_context *ctx, const char *path, gh_file_kind written) {
+  const gh_file_kind there = kind_of(path);
+  if (may_replace(there, written)) return GH_OK;
+  return gh_fail(ctx, GH_INPUT,
+                 "%s: looks like %s, and something else would be written over it; remove it, or choose "
+                 "another name",
+                 path, kinds[there].what);
 }

@@ -18,7 +18,7 @@
 #include <time.h>
 #include <unistd.h>
 
-enum { MOST_LINKS = 40, MOST_NAMES = 100 };
+enum { MOST_NAMES = 100 };
 
 typedef struct new_file {
   char *target; /* the file itself, behind symbolic links */
@@ -47,34 +47,9 @@ static int write_all(int fd, const char *bytes, size_t length) {
 
 /* ---- the target ---- */
 
-/* One step along a symbolic link: *path becomes what it names. 0, or errno. */
-static int link_follow(char **path) {
-  char name[4096];
-  ssize_t n = readlink(*path, name, sizeof name - 1);
-  if (n < 0) return errno;
-  name[n] = 0;
-  char *folder = gh_path_folder(*path), *next = folder ? gh_path_join(folder, name) : NULL;
-  free(folder);
-  if (!next) return ENOMEM;
-  free(*path);
-  *path = next;
-  return 0;
-}
-
-/* The file behind symbolic links, also where the last of them leads to a file that is still to be made. */
-static int target_find(const char *path, char **target) {
-  struct stat info;
-  int reason = 0;
-  *target = strdup(path);
-  if (!*target) return ENOMEM;
-  for (int k = 0; !reason && lstat(*target, &info) == 0 && S_ISLNK(info.st_mode); k++)
-    reason = k < MOST_LINKS ? link_follow(target) : ELOOP;
-  return reason;
-}
-
 /* A file that its owner has made read-only is not replaced, though its folder would allow that. */
 static int target_check(const char *path, new_file *t) {
-  int reason = target_find(path, &t->target); /* new_file_close frees it */
+  int reason = gh_file_target(path, &t->target); /* new_file_close frees it */
   if (reason) return reason;
   t->there = stat(t->target, &t->old) == 0; // NOLINT(clang-analyzer-unix.Malloc)
   if (!t->there) return errno == ENOENT ? 0 : errno;

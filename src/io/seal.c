@@ -177,7 +177,7 @@ static gh_status status_of(int reason) {
 
 gh_status gh_seal_check(gh_context *ctx, const char *path, const char *kind, bool *sealed) {
   struct stat info;
-  int fd = open(path, O_RDONLY | O_CLOEXEC);
+  int fd = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK); /* a pipe does not wait for its other end */
   if (fd < 0) return gh_fail(ctx, status_of(errno), "%s: cannot be opened: %s", path, strerror(errno));
   gh_status s = fstat(fd, &info) == 0 ? GH_OK : gh_fail(ctx, GH_SYSTEM, "%s: %s", path, strerror(errno));
   if (s == GH_OK && S_ISDIR(info.st_mode))

@@ -59,6 +59,7 @@ static gh_status table_check(folder *f) {
 gh_status report_residuals_read(gh_context *ctx, const char *path, gh_csv **csv) {
   char *text;
   *csv = NULL;
+  GH_TRY(gh_file_regular(ctx, path));
   GH_TRY(gh_file_text(ctx, path, &text));
   bool cut = !*text || text[strlen(text) - 1] != '\n';
   free(text);

@@ -43,7 +43,8 @@ static gh_status labels_fill(gh_context *ctx, const char *path, const cJSON *roo
 gh_status report_run_read(gh_context *ctx, const char *folder, cJSON **root) {
   char *path = gh_path_join(folder, "run.json"), *text = NULL;
   if (!path) return gh_fail(ctx, GH_MEMORY, "no memory for a path");
-  gh_status status = gh_file_text(ctx, path, &text);
+  gh_status status = gh_file_regular(ctx, path);
+  if (status == GH_OK) status = gh_file_text(ctx, path, &text);
   *root = NULL;
   if (status == GH_OK) status = gh_json_parse(ctx, path, text, root);
   if (status == GH_OK && !cJSON_IsObject(*root)) {

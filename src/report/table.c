@@ -59,6 +59,7 @@ gh_status report_table_read(gh_context *ctx, const char *folder, const char *fil
   *t = (report_table){0};
   t->path = gh_path_join(folder, file);
   if (!t->path) return gh_fail(ctx, GH_MEMORY, "no memory for a path");
+  GH_TRY(gh_file_regular(ctx, t->path));
   GH_TRY(gh_file_text(ctx, t->path, &t->text));
   GH_TRY(read_rows(ctx, t->path, t));
   return t->nrows > 0 ? GH_OK : gh_fail(ctx, GH_INPUT, "%s: holds no increment", t->path);

@@ -46,6 +46,7 @@ static gh_status cannot(gh_context *ctx, const char *path, const char *what) {
 static gh_status end_find(gh_context *ctx, const char *path, int counter, off_t *end) {
   bool there = false;
   *end = 0;
+  GH_TRY(gh_file_regular(ctx, path));
   if (counter > 0) GH_TRY(gh_file_there(ctx, path, &there));
   if (!there) return GH_OK;
   FILE *file = fopen(path, "r");

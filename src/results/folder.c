@@ -2,13 +2,16 @@
 /* The folder of results and the files in it. */
 #include "results/results.h"
 
-gh_status gh_results_folder_check(gh_context *ctx, const char *folder) {
-  static const char *const files[] = {"results.h5",      "results.xdmf", "points.xdmf", "rves.h5",
-                                      "traces.h5",       "history.csv",  "timing.csv",  "run.json",
-                                      "convergence.csv", "checkpoint.h5"};
+const char *const *gh_results_files(void) {
+  static const char *const files[] = {"results.h5",      "results.xdmf",  "points.xdmf", "rves.h5",
+                                      "traces.h5",       "history.csv",   "timing.csv",  "run.json",
+                                      "convergence.csv", "checkpoint.h5", NULL};
+  return files;
+}
+
+gh_status gh_results_folder_check(gh_context *ctx, const char *folder, const char *const *input, int inputs) {
   GH_TRY(gh_output_folder_check(ctx, folder));
-  for (size_t k = 0; k < sizeof files / sizeof *files; k++)
-    GH_TRY(gh_output_within(ctx, folder, files[k], false));
+  GH_TRY(gh_outputs_within(ctx, folder, gh_results_files(), input, inputs));
   return gh_output_within(ctx, folder, "dumps", true);
 }
 

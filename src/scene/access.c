@@ -15,6 +15,17 @@ char *const *gh_scene_packing_files(const gh_scene *s, int *n) {
   return s->packing_paths;
 }
 
+gh_status gh_scene_files(const gh_scene *s, const char ***file, int *n) {
+  const char **list;
+  *file = NULL, *n = 0;
+  GH_TRY(gh_alloc(s->ctx, (size_t)s->npackings + 2, sizeof *list, &list));
+  list[(*n)++] = s->path;
+  if (s->mesh_path) list[(*n)++] = s->mesh_path;
+  for (int k = 0; k < s->npackings; k++) list[(*n)++] = s->packing_paths[k];
+  *file = list;
+  return GH_OK;
+}
+
 /* A displacement of any step goes before the loads of the last one. */
 gh_scene_loading gh_scene_last_loading(const gh_scene *s, int *set) {
   for (int k = s->nsteps - 1; k >= 0; k--) {

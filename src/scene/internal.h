@@ -82,6 +82,7 @@ struct gh_scene {
   bool packing_drawn; /* by the seed */
   long packing_seed;
   gh_mesh *mesh;
+  char *mesh_path; /* NULL: a rectangle */
   int mesh_line;
   int nsets; /* of the mesh as the user knows it; behind these comes one set per node (program.c) */
   gh_rve_options micro;

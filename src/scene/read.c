@@ -215,10 +215,9 @@ static gh_status read_mesh(gh_scene *s, node root, const char *folder) {
   if (gh_yaml_has(gmsh)) {
     const char *name;
     GH_TRY(gh_yaml_text(gmsh, "gmsh", &name));
-    char *path = gh_path_join(folder, name);
-    if (!path) return gh_fail(s->ctx, GH_MEMORY, "no memory for a path");
-    gh_status status = gh_mesh_read_gmsh(s->ctx, path, &s->mesh);
-    free(path);
+    s->mesh_path = gh_path_join(folder, name);
+    if (!s->mesh_path) return gh_fail(s->ctx, GH_MEMORY, "no memory for a path");
+    gh_status status = gh_mesh_read_gmsh(s->ctx, s->mesh_path, &s->mesh);
     if (status != GH_OK)
       return gh_prefix(s->ctx, status, "%s:%d: mesh: ", gh_yaml_path(gmsh), gh_yaml_line(gmsh));
   } else {
@@ -368,6 +367,7 @@ void gh_scene_destroy(gh_scene **scene) {
   scene_program_destroy(s);
   for (int k = 0; k < s->nsteps; k++) destroy_step(s->steps + k);
   scene_packings_destroy(s);
+  free(s->mesh_path);
   gh_mesh_destroy(&s->mesh);
   free(s->steps);
   free(s->supports);

@@ -100,6 +100,8 @@ struct gh_study {
   study_entry *base, *tighter;
   char *reference_file; /* NULL: none */
   int reference_line;
+  int ninputs;
+  char **inputs; /* files that it was read from, but for the packings of configurations */
 };
 
 /* A value as people read it: a text that stands in quotes for YAML's sake without them. Returns `text`. */

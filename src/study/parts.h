@@ -41,9 +41,10 @@ void study_configs_destroy(gh_study *s);
 /* ---- path.c: a path of deformation gradients ---- */
 
 typedef struct study_path {
-  int rows;  /* the first is F = I at t = 0 */
-  double *t; /* rows; whole numbers are rows of the path as it is written */
-  double *F; /* rows x 4 */
+  int rows;   /* the first is F = I at t = 0 */
+  double *t;  /* rows; whole numbers are rows of the path as it is written */
+  double *F;  /* rows x 4 */
+  char *file; /* NULL: none */
 } study_path;
 /* `path` of an rve, each increment in `refine` substeps; files are relative to folder. */
 gh_status study_path_read(gh_context *ctx, node path, const char *folder, long refine, study_path *out);
@@ -69,6 +70,14 @@ typedef struct study_problem {
 gh_status study_problem_open(gh_context *ctx, const gh_study *s, int config, int member, int without,
                              study_problem *p);
 void study_problem_close(study_problem *p);
+
+/* ---- outputs.c ---- */
+
+/* Notes the files that the study and its first problem were read from: the others differ in their packings. */
+gh_status study_inputs_note(gh_study *s, const study_problem *p);
+void study_inputs_free(gh_study *s);
+/* GH_INPUT: one of them, or a packing, is a file that the study writes. */
+gh_status study_inputs_kept(const gh_study *s, const char *folder);
 
 /* ---- columns.c ---- */
 
@@ -102,6 +111,8 @@ gh_status study_record_print(const gh_study *s, int config, const study_run *run
 gh_status study_record_parse(const gh_study *s, const char *text, study_run *run);
 /* folder/runs/ID.json; the caller frees. */
 gh_status study_record_path(const gh_study *s, const char *folder, const char *id, char **path);
+/* GH_INPUT: what is in the place of the record is no file: a pipe would wait for its other end. */
+gh_status study_record_check(const gh_study *s, const char *folder, const study_run *run);
 /* There is a whole record of the run, and it is in *run now. */
 bool study_record_find(const gh_study *s, const char *folder, study_run *run);
 

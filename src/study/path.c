@@ -11,6 +11,7 @@ enum { MOST_ROWS = 10000000 };
 void study_path_free(study_path *path) {
   free(path->t);
   free(path->F);
+  free(path->file);
   *path = (study_path){0};
 }
 
@@ -127,13 +128,12 @@ static gh_status read_file(gh_context *ctx, node n, const char *folder, long ref
   const char *name;
   gh_csv *csv = NULL;
   GH_TRY(gh_yaml_text(n, "file", &name));
-  char *file = gh_path_join(folder, name);
+  char *file = p->file = gh_path_join(folder, name);
   if (!file) return gh_fail(ctx, GH_MEMORY, "no memory for a path");
   gh_status status = gh_file_expect(ctx, gh_csv_read(ctx, file, &csv), file, GH_FILE_PATH);
   if (status == GH_OK && csv->nrows < 1) status = gh_fail(ctx, GH_INPUT, "%s: the path has no rows", file);
   if (status == GH_OK) status = add_rows(ctx, n, csv, file, refine, p);
   gh_csv_destroy(&csv);
-  free(file);
   return status;
 }
 

@@ -334,6 +334,7 @@ static gh_status check_run(gh_study *s, int config, int member, study_path *path
   if (status == GH_OK) {
     memcpy(run->id, p.id, sizeof run->id);
     status = take_columns(s, config, &p);
+    if (status == GH_OK) status = study_inputs_note(s, &p);
   }
   if (member == 0) {
     *path = p.path;
@@ -449,6 +450,7 @@ void gh_study_destroy(gh_study **study) {
   free(s->plots);
   free(s->reference_text);
   free(s->reference_file);
+  study_inputs_free(s);
   free(s->scene_path);
   free(s->folder);
   free(s->title);

@@ -255,6 +255,14 @@ gh_status study_record_path(const gh_study *s, const char *folder, const char *i
   return *path ? GH_OK : gh_fail(s->ctx, GH_MEMORY, "no memory for a path");
 }
 
+gh_status study_record_check(const gh_study *s, const char *folder, const study_run *run) {
+  char *path;
+  GH_TRY(study_record_path(s, folder, run->id, &path));
+  gh_status status = gh_file_regular(s->ctx, path);
+  free(path);
+  return status;
+}
+
 bool study_record_find(const gh_study *s, const char *folder, study_run *run) {
   char *path = NULL, *text = NULL;
   bool found = study_record_path(s, folder, run->id, &path) == GH_OK && access(path, F_OK) == 0 &&

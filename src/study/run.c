@@ -300,9 +300,6 @@ static gh_status job_agree(job *j) {
 /* The folder for records, which can be written. */
 static gh_status job_make_folder(const job *j) {
   gh_context *ctx = j->s->ctx;
-  static const char *const files[] = {"study.csv", "study.md", "curves.csv"};
-  for (size_t k = 0; k < sizeof files / sizeof *files; k++)
-    GH_TRY(gh_output_within(ctx, j->folder, files[k], false));
   char *runs = gh_path_join(j->folder, "runs");
   if (!runs) return gh_fail(ctx, GH_MEMORY, "no memory for a path");
   gh_status status = gh_output_folder_check(ctx, runs);
@@ -326,14 +323,17 @@ static gh_status record_forget(const job *j, const study_run *run) {
 static gh_status job_prepare(job *j, unsigned char *flags) {
   gh_study *s = j->s;
   int others = 0;
-  GH_TRY(gh_results_folder_check(s->ctx, j->folder));
+  GH_TRY(gh_output_folder_check(s->ctx, j->folder));
+  GH_TRY(study_inputs_kept(s, j->folder));
   GH_TRY(gh_lock_create(s->ctx, j->folder, &j->lock));
+  GH_TRY(gh_output_unmixed(s->ctx, j->folder, (const char *const[]){"run.json", NULL}, "run"));
   GH_TRY(job_make_folder(j));
   for (int k = 0; k < j->total; k++) {
     study_run *run = run_at(s, j->all[k]);
     run->finished = false;
     if (!is_first(j, k)) continue;
     if (j->fresh) GH_TRY(record_forget(j, run));
+    GH_TRY(study_record_check(s, j->folder, run));
     flags[k] = !study_record_find(s, j->folder, run);
     others += run->finished && run->other_build;
   }
@@ -389,11 +389,8 @@ static gh_status write_text(gh_study *s, const char *folder, const char *name,
 
 /* What an earlier study of this folder has left: its pictures may be none of this one's. */
 static gh_status job_clear_old(const job *j) {
-  static const char *const names[] = {"study.csv", "curves.csv",         "study.md",
-                                      "order.png", "work-precision.png", "work-precision-count.png",
-                                      "curves.png"};
-  for (size_t k = 0; k < sizeof names / sizeof *names; k++) {
-    char *path = gh_path_join(j->folder, names[k]);
+  for (const char *const *name = gh_study_files(); *name; name++) {
+    char *path = gh_path_join(j->folder, *name);
     if (!path) return gh_fail(j->s->ctx, GH_MEMORY, "no memory for a path");
     unlink(path); /* what cannot be removed cannot be written either, and that is reported */
     free(path);

@@ -21,6 +21,9 @@ void gh_study_destroy(gh_study **study);
 /* What would run, in words: configurations, members, references. */
 void gh_study_explain(const gh_study *study, gh_text *out);
 
+/* The names of the files in a study's folder, of which the last is NULL. */
+const char *const *gh_study_files(void);
+
 typedef struct gh_study_options {
   bool (*stop)(void *data); /* called before each run and within it; NULL: never */
   void *stop_data;
