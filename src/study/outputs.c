@@ -37,10 +37,12 @@ void study_inputs_free(gh_study *s) {
   free(s->inputs);
 }
 
+/* A picture is no input, and where it cannot be written the tables are there all the same. */
 gh_status study_inputs_kept(const gh_study *s, const char *folder) {
-  GH_TRY(gh_outputs_within(s->ctx, folder, gh_study_files(), (const char *const *)s->inputs, s->ninputs));
+  static const char *const tables[] = {"study.csv", "curves.csv", "study.md", NULL};
+  GH_TRY(gh_outputs_within(s->ctx, folder, tables, (const char *const *)s->inputs, s->ninputs));
   for (int k = 0; k < s->nconfigs; k++)
     for (int m = 0; m < s->configs[k].nruns; m++)
-      GH_TRY(gh_outputs_within(s->ctx, folder, gh_study_files(), &s->configs[k].runs[m].packing, 1));
+      GH_TRY(gh_outputs_within(s->ctx, folder, tables, &s->configs[k].runs[m].packing, 1));
   return GH_OK;
 }
