@@ -217,8 +217,7 @@ static gh_status body_open(scene_direct *r) {
 static gh_status direct_open(scene_direct *r) {
   const gh_scene *s = r->scene;
   GH_TRY(scene_check(r));
-  GH_TRY(gh_results_folder_check(r->ctx, r->folder));
-  GH_TRY(gh_lock_create(r->ctx, r->folder, &r->lock));
+  GH_TRY(scene_folder_open(r->scene, r->folder, &r->lock));
   r->sum.planned = gh_scene_steps(s);
   GH_TRY(gh_alloc(r->ctx, (size_t)s->nsteps + 1, sizeof *r->begin_u, &r->begin_u));
   GH_TRY(gh_alloc(r->ctx, 2 * (size_t)s->nsets, sizeof(double), &r->pressure));

@@ -113,6 +113,10 @@ struct gh_scene {
 /* GH_INPUT: a set whose name is no text of one line or too long, two columns or two sets of one name. */
 gh_status scene_names_check(const gh_scene *scene);
 
+/* folder.c: the lock of a folder that takes results. GH_INPUT: it holds a file of the scene under a name that is
+ * written, or the results of a study. */
+gh_status scene_folder_open(const gh_scene *scene, const char *folder, gh_lock **lock);
+
 /* packings.c */
 int scene_packing_points(const gh_scene *scene, int packing); /* at how many integration points it is */
 void scene_packings_destroy(gh_scene *scene);

@@ -398,23 +398,10 @@ static gh_status check_build(const run *r) {
   return GH_OK;
 }
 
-static gh_status open_folder(run *r) {
-  const char **file;
-  int n;
-  GH_TRY(gh_scene_files(r->scene, &file, &n));
-  gh_status status = gh_results_folder_check(r->ctx, r->folder, file, n);
-  free(file);
-  if (status == GH_OK) status = gh_lock_create(r->ctx, r->folder, &r->lock);
-  if (status == GH_OK)
-    status =
-        gh_output_unmixed(r->ctx, r->folder, (const char *const[]){"study.csv", "study.md", NULL}, "study");
-  return status;
-}
-
 static gh_status open_run(run *r) {
   const gh_scene *s = r->scene;
   GH_TRY(check_build(r));
-  if (r->folder) GH_TRY(open_folder(r));
+  if (r->folder) GH_TRY(scene_folder_open(r->scene, r->folder, &r->lock));
   r->sum.points = 4 * s->mesh->nelements;
   r->sum.planned = gh_scene_steps(s);
   GH_TRY(gh_alloc(r->ctx, (size_t)s->nsteps + 1, sizeof *r->begin_u, &r->begin_u));
