@@ -142,6 +142,7 @@ static gh_status substep_relax(gh_macro *m, gh_attempt *a, walk *w, gh_macro_rep
 static gh_status substep_recover(gh_macro *m, gh_attempt *a, walk *w, gh_macro_report *r) {
   GH_TRY(gh_farm_revert(m->farm));
   bool last = w->level >= m->options.cut_steps + m->first_level;
+  if (last) gh_instability_from_swing(m);
   if (!substep_meets_instability(m, w, r->jumps) && !last) {
     substep_bisect(w, r);
     return GH_OK;

@@ -17,7 +17,7 @@ void gh_instability_forget(gh_instability *instability) {
 }
 
 /* The point whose stress departs most from the prediction P + A : dF between m->now and m->next. */
-static void instability_find_point(gh_macro *m) {
+static void instability_find_point(const gh_macro *m, gh_instability *best) {
   for (int p = 0; p < m->npoints; p++) {
     const double *F = m->now.F + 4 * (size_t)p, *G = m->next.F + 4 * (size_t)p,
                  *A = m->now.A + 16 * (size_t)p;
@@ -28,18 +28,25 @@ static void instability_find_point(gh_macro *m) {
       for (int k = 0; k < 4; k++) d[i] -= A[4 * i + k] * (G[k] - F[k]);
     }
     const double change = gh_norm(d, 4);
-    if (change <= m->instability.change) continue;
-    m->instability.point = p;
-    m->instability.change = change;
+    if (change <= best->change) continue;
+    best->point = p;
+    best->change = change;
   }
 }
 
-void gh_instability_offer(gh_macro *m, double residual) {
-  if (!(residual < m->instability.residual)) return;
-  gh_instability_forget(&m->instability);
-  m->instability.residual = residual;
-  memcpy(m->instability.u, m->next.u, (size_t)m->ndof * sizeof *m->instability.u);
-  instability_find_point(m);
+void gh_instability_offer(gh_macro *m, gh_instability *best, double residual) {
+  if (!(residual < best->residual)) return;
+  gh_instability_forget(best);
+  best->residual = residual;
+  memcpy(best->u, m->next.u, (size_t)m->ndof * sizeof *best->u);
+  instability_find_point(m, best);
+}
+
+void gh_instability_from_swing(gh_macro *m) {
+  if (isfinite(m->instability.residual)) return;
+  const gh_instability swap = m->instability;
+  m->instability = m->swing;
+  m->swing = swap;
 }
 
 gh_status gh_instability_evaluate(gh_macro *m) {

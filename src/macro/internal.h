@@ -208,8 +208,9 @@ struct gh_macro {
   double *residual;     /* of `now`; these three have 3 nfootings entries more */
   double *trial;        /* of `next` */
   double *du;
-  gh_instability instability;
-  gh_relax_arrays relax; /* none with Newton alone */
+  gh_instability instability; /* of the last line search */
+  gh_instability swing;       /* of the iteration's steps with which the residual grew */
+  gh_relax_arrays relax;      /* none with Newton alone */
   double *elastic; /* npoints x 16: tangents at u = 0 before the first increment; NULL when not in use */
   bool started;    /* the stress at u = 0 is known */
   bool solved;     /* an increment was started */
@@ -327,7 +328,10 @@ void gh_estimate_free(gh_macro *m);
 
 void gh_instability_forget(gh_instability *instability);
 /* Offers the trial m->next with its residual as a post-instability state. */
-void gh_instability_offer(gh_macro *m, double residual);
+void gh_instability_offer(gh_macro *m, gh_instability *best, double residual);
+/* Where no trial was refused: the best step with which the residual grew becomes the candidate. An iteration that
+ * ends moving to and fro has accepted trials beyond the discontinuity. */
+void gh_instability_from_swing(gh_macro *m);
 /* Evaluates the remembered iterate into m->now. GH_DIVERGED: there is none. */
 gh_status gh_instability_evaluate(gh_macro *m);
 /* The message of an increment that failed; returns GH_DIVERGED. */

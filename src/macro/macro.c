@@ -62,7 +62,8 @@ static gh_status options_check(gh_context *ctx, const gh_macro_options *o) {
 }
 
 static gh_status macro_allocate(gh_macro *m) {
-  double **vectors[] = {&m->reaction, &m->f0, &m->force, &m->from, &m->fade, &m->fext, &m->instability.u};
+  double **vectors[] = {&m->reaction, &m->f0,   &m->force,         &m->from,
+                        &m->fade,     &m->fext, &m->instability.u, &m->swing.u};
   double **longer[] = {&m->residual, &m->trial,
                        &m->du}; /* a footing has two nodes at least: four for three */
   GH_TRY(gh_shapes_create(m->ctx, m->mesh, &m->shapes));
@@ -78,6 +79,7 @@ static gh_status macro_allocate(gh_macro *m) {
     GH_TRY(gh_alloc(m->ctx, 2 * (size_t)m->ndof, sizeof(double), longer[k]));
   if (m->options.method != GH_METHOD_NEWTON) GH_TRY(gh_relax_allocate(m));
   gh_instability_forget(&m->instability);
+  gh_instability_forget(&m->swing);
   double V, v;
   gh_macro_volumes(m, &V, &v);
   m->length = sqrt(V / m->mesh->nelements);
@@ -127,6 +129,7 @@ void gh_macro_destroy(gh_macro **macro) {
   free(m->trial);
   free(m->du);
   free(m->instability.u);
+  free(m->swing.u);
   free(m->elastic);
   free(m->relax.numbers);
   free(m);

@@ -129,6 +129,7 @@ static gh_status line_search(gh_macro *m, gh_attempt *a, double *step, int *weak
     }
     if (residual <= (1 - decrease * tried) * beat || gh_within(residual, gh_residual_limit(m, scale)) ||
         (gh_within(fabs(work), slope * fabs(work0)) && residual <= growth * now)) {
+      if (residual > now) gh_instability_offer(m, &m->swing, residual);
       gh_step_accept(m, a, residual, scale);
       return GH_OK;
     }
@@ -136,7 +137,7 @@ static gh_status line_search(gh_macro *m, gh_attempt *a, double *step, int *weak
       best = tried;
       best_residual = residual;
     }
-    gh_instability_offer(m, residual);
+    gh_instability_offer(m, &m->instability, residual);
     *step = step_shorten(tried, work0, work);
   }
   if (best > 0 && ++*weak <= WEAK_STEPS) {
@@ -174,6 +175,7 @@ static gh_status newton_iterate(gh_macro *m, gh_attempt *a) {
   const int done = a->iterations;
   int weak = 0, slow = 0;
   gh_instability_forget(&m->instability);
+  gh_instability_forget(&m->swing);
   memset(a->before, 0, sizeof a->before);
   gh_state_copy(m, &m->eq, &m->now);
   tangent_assemble(m, a);

@@ -255,6 +255,7 @@ static gh_status body_relax(gh_macro *m, gh_attempt *a) {
 
 gh_status gh_relax(gh_macro *m, gh_attempt *a) {
   gh_instability_forget(&m->instability);
+  gh_instability_forget(&m->swing);
   gh_status status = body_begin(m, a);
   if (status == GH_OK) status = body_relax(m, a);
   a->kinetic = 0;
