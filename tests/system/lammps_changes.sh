@@ -78,6 +78,13 @@ for style in normal normal3 coulomb; do
   refused "$style: fix adapt with growing grains" 'the radius'
   dynamic=1 two $style; more 'group one id 1' 'fix a one adapt 1 atom diameter v_d' 'variable d equal 1-0.005*step' 'run 20' "$tell"
   right "$style: fix adapt with a grain that shrinks" pe 0.125 1e-3 # radius 0.45
+  two $style; more 'run 0' 'set type 2 diameter 1.4' 'velocity all set 0 0 0' 'run 1 pre no' # velocity initialises
+  refused "$style: set diameter, velocity and pre no" 'the radius 0.7 of atom 2 exceeds 0.4'
+  two $style; more 'thermo_style custom step' 'neigh_modify delay 10' 'run 4' 'reset_timestep 0' 'displace_atoms all move 0.2 0 0' 'run 4 pre no'
+  refused "$style: reset_timestep, displace_atoms and pre no" 'more than the neighbor skin'
+  two $style; more 'run 0' 'compute r all cluster/atom 1' 'velocity all set 0 0 0' 'neigh_modify delay 10' 'run 1 pre no' "$tell"; right "$style: another list and pre no" pe 0.5 1e-3
+  two $style; more 'run 0' 'pair_style zero 1' 'pair_coeff * *' 'run 0' "$(grep ^pair_style in.x)" "$(grep ^pair_coeff in.x)" 'run 1 pre no'
+  refused "$style: another pair style and pre no" 'cannot follow the command pair_style'
   two $style; more 'run 0' 'create_atoms 1 single 2 3.95 0' 'run 0' "$tell" # as created: diameter 1, overlap 0.05
   right "$style: create_atoms" pe 0.625 1e-12 ecoul 0 0
   two $style; more 'run 0' 'neigh_modify delay 10' 'create_atoms 1 single 2 3.95 0' 'run 1 pre no'; refused "$style: create_atoms and pre no" 'cannot follow commands that add, remove'
@@ -183,6 +190,49 @@ ids() { # on one rank or, with `ranks`, on two
   right "$1and on with other ids" ecoul "$ecoul" 1e-7 sxx "$sxx" 1e-5
 }
 ids ''
+# same NAME LINES LAST: what commands that leave the grains where they are leave of the slip, to round-off
+same() {
+  printf '%s\n' 'include head.in' "$2" "$3" "$tell2" >in.x
+  right "$1" ecoul "$still" 1e-9 sxx "$stress" 1e-6
+}
+stays() {
+  for last in 'run 0' 'run 100' 'run 100 pre no'; do
+    printf '%s\n' 'include head.in' "$last" "$tell2" >in.x
+    right "$1as it is: $last"
+    still=$(value ecoul) stress=$(value sxx)
+    same "$1images of half of the grains, $last" 'group od id 1:150:2
+set group od image -3 4 NULL' "$last"
+    if [ "$last" = 'run 100 pre no' ]; then # a list that is new in the first step
+      same "$1renumbered, $last" 'reset_atom_ids sort yes
+neigh_modify check no' "$last"
+      same "$1images and renumbered, $last" 'set group all image -3 4 NULL
+reset_atom_ids sort yes
+neigh_modify check no' "$last"
+      continue
+    fi
+    for move in '$(lx) 0' '$(2*lx) 0' '$(-lx) $(ly)' '$(0.5*lx) $(0.9999*ly)'; do
+      same "$1moved as a whole by $move, $last" "displace_atoms all move $move 0 units box" "$last"
+    done
+    same "$1one moved by a period, $last" 'group one id 24
+displace_atoms one move $(lx) 0 0 units box' "$last"
+  done
+}
+stays ''
+printf '%s\n' 'include head.in' 'reset_atom_ids sort yes' 'run 100 pre no' >in.x
+refused 'renumbered, pre no, with the list of before' 'cannot follow commands that add, remove, reorder or renumber'
+# ---- what belongs to the pair style ----
+for last in 'run 100' 'run 100 pre no' 'run 100 pre no every 10 "unfix granhom_history"'; do
+  for command in 'unfix granhom_history' 'fix granhom_history all granhom/history'; do
+    case $last in *every*) command='print x' ;; esac
+    printf '%s\n' 'include head.in' "$command" "$last" >in.x
+    refused "$command, $last" 'may not be removed or replaced'
+  done
+done
+for pre in yes no; do
+  printf '%s\n' 'include head.in' 'log lost.txt' 'pair_style granhom/normal' 'pair_style granhom/coulomb' 'pair_coeff * * 1000 800 0.3 0' 'log none' "run 100 pre $pre" "$tell2" >in.x
+  right "the pair style given again, pre $pre: as without slip until then" ecoul 0.0097855 1e-7
+  check 'and a warning' grep -q 'the slip of 339 contacts' lost.txt
+done
 # ---- rerun ----
 cat >in.x <<E2
 include head.in
@@ -362,6 +412,7 @@ if ! command -v mpirun >/dev/null || ! mpirun -n 2 true >said 2>said.err; then
 fi
 ranks=(mpirun -n 2)
 ids 'two ranks: '
+stays 'two ranks: '
 two coulomb; more "$slide" 'run 1' 'delete_atoms group g compress no' 'create_atoms 2 single 2.8 3.05 0' 'set atom 2 diameter 0.8' 'run 0' "$tell"
 right 'two ranks: an id that is used again' ecoul 0 1e-20 evdwl "$(awk 'BEGIN { print 50 * (0.9 - sqrt(0.64 + 0.0025)) ^ 2 }')" 1e-7
 two coulomb; more "$slide" 'run 1' 'displace_atoms all move 2 0 0' 'set group all image 3 -2 NULL' 'run 2' "$tell"

@@ -15,6 +15,7 @@
 #include "lammps.h"
 #include "modify.h"
 
+#include <cstring>
 #include <string>
 
 using granhom::FixHistory;
@@ -56,6 +57,13 @@ static Command *read_dump(LAMMPS *lmp) {
                         ", or drop all history before: pair_style none, and pair_style granhom/coulomb after "
                         "read_dump");
   return call_original(lmp, "read_dump");
+}
+
+void granhom::refuse_removal(LAMMPS *lmp, const char *command, int narg, char **arg) {
+  if (narg < 1 || std::strcmp(arg[0], FixHistory::ID) != 0) return;
+  if (std::strcmp(command, "unfix") != 0 && std::strcmp(command, "fix") != 0) return;
+  if (friction_in_use(lmp) && lmp->modify->find_fix(FixHistory::ID) >= 0)
+    lmp->error->all(FLERR, std::string(FixHistory::STAYS));
 }
 
 void granhom::register_commands(LAMMPS *lmp) {

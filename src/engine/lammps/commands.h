@@ -13,6 +13,9 @@ namespace granhom {
  * they would leave behind. May be called again after `clear`. */
 void register_commands(LAMMPS_NS::LAMMPS *lmp);
 
+/* Stops a command of a script that would remove or replace what pair style granhom/coulomb keeps. */
+void refuse_removal(LAMMPS_NS::LAMMPS *lmp, const char *command, int narg, char **arg);
+
 } // namespace granhom
 
 #endif

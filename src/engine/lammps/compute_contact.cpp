@@ -68,7 +68,7 @@ void ComputeContact::init() {
  * commands may have moved atoms or the box: the list still holds every contact if no two atoms can have come
  * nearer than the skin since it was made. */
 void ComputeContact::check_list(const PairNormal &p) {
-  if (!update->whichflag) refuse_stale(p);
+  if (!update->whichflag || !p.builds) refuse_stale(p);
   else if (!domain->box_change) return;
   comm->forward_comm();
   if (coulomb) coulomb->history()->refresh(false);

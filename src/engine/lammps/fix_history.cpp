@@ -41,8 +41,13 @@ FixHistory::FixHistory(LAMMPS *l, int narg, char **arg) : Fix(l, narg, arg) {
   born = false;
 }
 
+/* LAMMPS calls fixes by their places, which it notes at the start of a run with setup: once one that has run is
+ * gone, the next run has a setup, `pre no` or not. When LAMMPS ends there is no update any more. */
 FixHistory::~FixHistory() {
-  if (holder) *holder = nullptr;
+  if (holder) {
+    *holder = nullptr;
+    if (update) update->first_update = 0;
+  }
   atom->delete_callback(id, Atom::GROW);
   atom->delete_callback(id, Atom::RESTART);
 }
@@ -253,8 +258,8 @@ void FixHistory::commit() {
 void FixHistory::initial_integrate(int) {
   stepping = true;
   tilt_before = domain->xy;
-  if (awaited && reconcile()) trial = ghosts_known = false; /* a run without setup */
   if (each_step) commit();
+  if (awaited && reconcile(STEPPED)) trial = ghosts_known = false; /* a run without setup */
 }
 
 /* After all fixes have moved the grains: omega is that of the half step, as in fix nve/sphere. */
@@ -265,7 +270,7 @@ void FixHistory::post_integrate() {
 
 void FixHistory::setup_pre_exchange() {
   stepping = false;
-  reconcile();
+  reconcile(ROUNDED);
   pre_exchange();
 }
 
@@ -308,7 +313,7 @@ void FixHistory::note_end(int i) {
 
 /* State n follows the atoms that were known at the end of the last run: renumbered ones keep their contacts,
  * those of atoms that are gone are dropped (their ids may be in use again). True: something has changed. */
-bool FixHistory::reconcile() {
+bool FixHistory::reconcile(double near) {
   awaited = false;
   if (driven) return false;
   std::vector<Change> changes;
@@ -319,7 +324,7 @@ bool FixHistory::reconcile() {
       continue;
     }
     Change c = {known[i], atom->tag[i], {0, 0}};
-    if (follow_images(i, &c) || c.before != c.now) mine = 1;
+    if (follow_images(i, near, &c) || c.before != c.now) mine = 1;
     changes.push_back(c);
     known[i] = c.now;
   }
@@ -329,17 +334,24 @@ bool FixHistory::reconcile() {
   return any;
 }
 
-/* Image flags that a command has changed (set image, change_box boundary) while the atom stayed: its
- * unwrapped position has gained lattice vectors, at n too. */
-bool FixHistory::follow_images(int i, Change *c) {
+/* An atom that is where it was, or on an image of that, while a command has changed its image flags by
+ * others than those between the two (set image, change_box boundary, a move by a whole period): its unwrapped
+ * position has gained lattice vectors, at n too. near: part of a period within which it is there. */
+bool FixHistory::follow_images(int i, double near, Change *c) {
   const std::size_t a = 2 * (std::size_t)i;
+  const double d[2] = {xw[a] - atom->x[i][0], xw[a + 1] - atom->x[i][1]};
+  double H[4];
   int now[2];
+  cell(H);
   flags_of(domain, atom->image[i], now);
-  if (atom->x[i][0] != xw[a] || atom->x[i][1] != xw[a + 1]) return false;
-  for (int k = 0; k < 2; k++) {
-    c->steps[k] = now[k] - fl[a + k];
-    fl[a + k] = now[k];
-  }
+  const double m1 = domain->yperiodic ? std::round(d[1] / H[3]) : 0,
+               m0 = domain->xperiodic ? std::round((d[0] - H[1] * m1) / H[0]) : 0;
+  const bool there =
+      std::fabs(d[0] - H[0] * m0 - H[1] * m1) <= near * H[0] && std::fabs(d[1] - H[3] * m1) <= near * H[3];
+  if (!there) return false; /* or not known */
+  c->steps[0] = now[0] - fl[a] - (int)m0;
+  c->steps[1] = now[1] - fl[a + 1] - (int)m1;
+  for (int k = 0; k < 2; k++) fl[a + k] += (int)c->steps[k];
   for (int k = 0; k < 2; k++) xn[a + k] += Hn[2 * k] * c->steps[0] + Hn[2 * k + 1] * c->steps[1];
   return c->steps[0] || c->steps[1];
 }

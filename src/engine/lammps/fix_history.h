@@ -20,6 +20,10 @@ namespace granhom {
 class FixHistory : public LAMMPS_NS::Fix {
 public:
   static constexpr const char *ID = "granhom_history";
+  static constexpr const char *STAYS =
+      "Fix granhom_history holds the slip of the contacts of pair style granhom/coulomb: it may not be "
+      "removed "
+      "or replaced. To drop all history: pair_style none, then pair_style granhom/coulomb again";
 
   struct Partner {
     LAMMPS_NS::tagint tag;
@@ -55,9 +59,10 @@ public:
 
   /* ---- for the pair style ---- */
 
-  /* The pair style's pointer to this fix, null when the fix goes (unfix); the pair style passes null before
-   * it goes itself. */
+  /* The pair style's pointer to this fix, null when the fix goes. */
   void held_by(FixHistory **pointer) { holder = pointer; }
+  /* Of all ranks: contacts with slip at n. */
+  long slips() const;
   /* each_step: state n is the end of the last time step, else it stays until a commit. turns: rotations
    * follow omega. keep_alpha: contacts that have opened keep alpha (of use with hardening only). */
   void configure(bool each_step, bool turns, bool keep_alpha);
@@ -100,6 +105,10 @@ public:
   void get_rotations(double *rotations) const;
 
 private:
+  /* Where an atom that no command has moved is found at the start of a run, as part of the period: with
+   * setup, and without, when fixes of before this one have moved it by a time step. A packing that a command
+   * has moved by just this less than a whole period is refused, so the second is no round number. */
+  static constexpr double ROUNDED = 1e-9, STEPPED = 0.4142;
   /* Numbers of a partner, and before the partners of an atom: now, and in restart files of before version 2
    */
   enum { RECORD = 6, HEAD = 11, HEAD_1 = 6 };
@@ -147,9 +156,9 @@ private:
     LAMMPS_NS::tagint before, now;
     LAMMPS_NS::tagint steps[2]; /* lattice vectors that its unwrapped position gained */
   };
-  bool reconcile();
+  bool reconcile(double near);
   void note_end(int i);
-  bool follow_images(int i, Change *c);
+  bool follow_images(int i, double near, Change *c);
   void place_new(int i);
   void rekey(const std::vector<Change> &mine);
   void follow_births();

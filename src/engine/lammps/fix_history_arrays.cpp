@@ -74,6 +74,15 @@ void FixHistory::compact() {
   pool.swap(kept);
 }
 
+long FixHistory::slips() const {
+  long mine = 0, all;
+  for (int i = 0; i < atom->nlocal; i++)
+    for (int r = first[i]; r < first[i] + count[i]; r++)
+      if ((pool[r].gamma != 0 || pool[r].alpha > 0) && atom->tag[i] <= pool[r].tag) mine++;
+  MPI_Allreduce(&mine, &all, 1, MPI_LONG, MPI_SUM, world);
+  return all;
+}
+
 int FixHistory::most_partners() const {
   return atom->nlocal ? *std::max_element(count.begin(), count.begin() + atom->nlocal) : 0;
 }

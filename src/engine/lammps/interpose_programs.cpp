@@ -1,9 +1,11 @@
 /* SPDX-License-Identifier: GPL-2.0-or-later */
-/* Commands of LAMMPS that run other programs, off unless they are asked for.
+/* Commands of LAMMPS that run other programs, off unless they are asked for, and those that would remove what
+ * friction needs.
  *
  * Replaced functions of liblammps.so, as in interpose.cpp: every command of a script, an included file, an
  * `if` or a program comes through Input::execute_command, and all that runs Python through Python::init. */
 #include "engine/lammps/c_mpi.h"
+#include "engine/lammps/commands.h"
 #include "engine/lammps/interpose_programs.h"
 
 #include "error.h"
@@ -74,6 +76,7 @@ int Input::execute_command() {
   using function = int (*)(Input *);
   static const auto original =
       reinterpret_cast<function>(dlsym(RTLD_NEXT, "_ZN9LAMMPS_NS5Input15execute_commandEv"));
+  if (command) granhom::refuse_removal(lmp, command, narg, arg);
   if (command && refuses(lmp)) {
     const std::string what = program_of(command, narg, arg);
     if (!what.empty()) error->all(FLERR, refusal(what));

@@ -44,8 +44,18 @@ PairCoulomb::PairCoulomb(LAMMPS *l) : PairNormal(l), extra(EXTRA) {
 
 PairCoulomb::~PairCoulomb() {
   if (!fix) return;
-  fix->held_by(nullptr);
+  tell_of_loss();
   modify->delete_fix(FixHistory::ID);
+}
+
+/* When LAMMPS ends, or begins again with clear, there is no update any more, and nothing to tell. */
+void PairCoulomb::tell_of_loss() const {
+  if (!update) return;
+  const long slips = fix->slips();
+  if (slips && comm->me == 0)
+    error->warning(FLERR, "Pair granhom/coulomb is given up, and with it the slip of " +
+                              std::to_string(slips) +
+                              " contacts: in a pair style that follows, slip begins at zero");
 }
 
 std::size_t PairCoulomb::index(int i, int j) const {
@@ -134,11 +144,13 @@ void PairCoulomb::init_style() {
   if (update->whichflag == 2)
     error->all(FLERR, std::string("Pair granhom/coulomb does not run with minimize: use fix granhom/relax"));
   if (!fix) {
+    if (had_fix) error->all(FLERR, std::string(FixHistory::STAYS));
     if (modify->find_fix(FixHistory::ID) >= 0)
       error->all(FLERR, std::string("Only one pair style granhom/coulomb can be in use"));
     fix = dynamic_cast<FixHistory *>(modify->add_fix(std::string(FixHistory::ID) + " all granhom/history"));
   }
   fix->held_by(&fix);
+  had_fix = true;
   bool hardens = false;
   for (const auto &law : laws) hardens = hardens || law.hardening > 0;
   fix->configure(step, !fixed, hardens);
@@ -304,6 +316,7 @@ double PairCoulomb::single(int i, int j, int itype, int jtype, double rsq, doubl
   const double l[2] = {atom->x[j][0] - atom->x[i][0], atom->x[j][1] - atom->x[i][1]}, d = std::sqrt(rsq),
                reach = atom->radius[i] + atom->radius[j], e = reach - d;
   fforce = 0;
+  if (!fix) error->one(FLERR, std::string(FixHistory::STAYS));
   std::fill(extra.begin(), extra.end(), 0.0);
   if (e < 0) return 0;
   if (!(d > 0)) centres_coincide(i, j);

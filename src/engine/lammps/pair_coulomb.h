@@ -66,6 +66,7 @@ private:
   std::vector<gh_contact_law> laws; /* of pairs of types */
   std::vector<double> extra;
   FixHistory *fix = nullptr;
+  bool had_fix = false;
 
   std::size_t index(int i, int j) const;
   void set_choices(gh_contact_law &law) const;
@@ -74,6 +75,7 @@ private:
   void add(int i, int j, const double *l, double d, double reach);
   void remember(int i, int j, const Contact &c);
   void check_moves();
+  void tell_of_loss() const;
 };
 
 } // namespace granhom

@@ -151,7 +151,6 @@ void PairNormal::find_largest() {
   for (int t = 1; t < n; t++) mine[t] = std::max(mine[t], inserted_radius(modify, t));
   MPI_Allreduce(mine.data(), largest, n, MPI_DOUBLE, MPI_MAX, world);
   covered.assign(n, 0);
-  initialised = true;
 }
 
 double PairNormal::init_one(int i, int j) {
@@ -179,14 +178,22 @@ void PairNormal::note_build() {
   const double *x = atom->nlocal ? atom->x[0] : nullptr;
   build_x.assign(x, x + 3 * (std::size_t)atom->nlocal);
   build_id.assign(atom->tag, atom->tag + atom->nlocal + atom->nghost);
+  build_largest.assign(largest, largest + atom->ntypes + 1);
+  build_inum = list->inum;
   cell_now(build_cell);
 }
 
-/* The first evaluation of a run without setup (pre no) may use the list of the run before. */
+/* The first evaluation of a run without setup (pre no) may use the list of the run before, whatever commands
+ * between them have initialised. */
 bool PairNormal::check_list() {
-  const bool built = neighbor->ago == 0,
-             prepared = initialised || (run_first == update->firststep && run_last == update->laststep);
-  initialised = false;
+  if (covered.empty())
+    error->all(FLERR, "Pair " + std::string(force->pair_style) +
+                          ": a run with pre no cannot follow the command pair_style: use pre yes");
+  const bigint step = update->ntimestep;
+  const bool built = neighbor->ago == 0, prepared = run_first == update->firststep &&
+                                                    run_last == update->laststep &&
+                                                    (step == seen || step == seen + 1);
+  seen = step;
   run_first = update->firststep;
   run_last = update->laststep;
   if (built) note_build();
@@ -200,26 +207,29 @@ void PairNormal::check_radii() {
   const double *radius = atom->radius;
   const int *type = atom->type;
   for (int i = 0; i < atom->nlocal; i++) {
-    if (radius[i] <= largest[type[i]] || !covered[type[i]]) continue;
+    if (radius[i] <= build_largest[type[i]] || !covered[type[i]]) continue;
     char text[400];
     snprintf(text, sizeof text,
              "Pair %s: the radius %g of atom %ld exceeds %g, the largest of its type %d at the start of the "
              "run and of what fixes insert: contacts beyond the cutoff would be missed. Change radii and "
              "types between runs (with setup), or let the type have an atom of the largest radius from the "
              "start",
-             force->pair_style, radius[i], (long)atom->tag[i], largest[type[i]], type[i]);
+             force->pair_style, radius[i], (long)atom->tag[i], build_largest[type[i]], type[i]);
     error->one(FLERR, std::string(text));
   }
 }
 
-/* Commands before a run with `pre no` may have changed what the list is made of. Two atoms that have come
- * nearer by more than the skin may be in contact without being on the list. */
+/* Commands before a run with `pre no` may have changed what the list is made of: those that need ghosts make
+ * them once more, in other places, and LAMMPS empties its lists where it initialises with other ones. Two
+ * atoms that have come nearer by more than the skin may be in contact without being on the list. */
 void PairNormal::check_unprepared() {
   const std::string reason = "Pair " + std::string(force->pair_style) + ": a run with pre no cannot follow ";
   const std::size_t nlocal = atom->nlocal, nall = nlocal + atom->nghost;
-  if (build_id.size() != nall || build_x.size() != 3 * nlocal ||
+  if (build_id.size() != nall || build_x.size() != 3 * nlocal || build_inum != list->inum ||
       !std::equal(build_id.begin(), build_id.end(), atom->tag))
-    error->one(FLERR, reason + "commands that add, remove, reorder or renumber atoms: use pre yes");
+    error->one(FLERR, reason +
+                          "commands that add, remove, reorder or renumber atoms or renew their ghosts: use "
+                          "pre yes");
   double most = 0, second = 0;
   for (std::size_t i = 0; i < nlocal; i++) {
     double d2 = 0;

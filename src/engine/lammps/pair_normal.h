@@ -65,10 +65,12 @@ protected:
   void refuse_history();
 
 private:
-  double *largest = nullptr; /* largest radius of each type, of grains to be inserted too */
-  std::vector<char> covered; /* types with contacts of this style */
-  bool initialised = false;  /* since the last evaluation */
-  LAMMPS_NS::bigint run_first = -1, run_last = -1; /* time steps of the run of the last evaluation */
+  double *largest = nullptr;         /* largest radius of each type, of grains to be inserted too */
+  std::vector<char> covered;         /* types with contacts of this style */
+  std::vector<double> build_largest; /* as `largest`, when the list was made */
+  int build_inum = 0;                /* atoms on the list then */
+  /* of the last evaluation: time step, and those of its run */
+  LAMMPS_NS::bigint seen = -1, run_first = -1, run_last = -1;
   bool driven = false;
 
   void note_build();
