@@ -84,7 +84,7 @@ gh_status direct_plan_forces(gh_direct *d, const direct_plan *p, double t, doubl
 
 /* Largest unbalanced force and moment on what is free over the mean normal force, of d->list under d->load. */
 double direct_residual(const gh_direct *d, const unsigned char *mask, double *mean_force);
-/* What the last equilibrium, d->list, says of the body as a whole. */
+/* Measures of the last equilibrium, d->list. */
 gh_status direct_measure(gh_direct *d);
 
 /* ---- coarse.c: from grains to the mesh ---- */

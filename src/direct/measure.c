@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-2.0-or-later */
-/* What an equilibrium says of the body: residual, rattlers, coordination, fabric, areas. */
+/* Measures of an equilibrium: residual, rattlers, coordination, fabric, areas. */
 #include "direct/internal.h"
 
 #include <stdlib.h>
@@ -63,7 +63,7 @@ static bool grain_rattles(const gh_direct *d, int i, const int *start, const int
   return direct_friction(d) ? count == 0 : angles_open(angle, count);
 }
 
-/* Boundary grains are held from outside. */
+/* Grains on the boundary are supported from outside. */
 static gh_status rattlers_find(gh_direct *d) {
   int *start = NULL, *link = NULL, most = 1;
   double *angle = NULL;
