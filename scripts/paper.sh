@@ -49,6 +49,8 @@ for name in mesh_1x2 mesh_2x4 mesh_4x8 mesh_8x16 periodic displacement mu_0 mu_0
 import csv, json, math, sys
 name = sys.argv[1]
 rows = [r for r in csv.DictReader(open(name + "/history.csv")) if float(r["load_step"]) >= 1]
+run = json.load(open(name + "/run.json"))
+s = run.get("summary") or sys.exit()  # it is under way
 start = [r for r in rows if r["load_step"] == "1"][-1]
 rows = [start] + [r for r in rows if r["load_step"] == "2"]
 u = [float(r["uy_top"]) for r in rows[1:]]
@@ -60,8 +62,6 @@ with open(name + ".txt", "w") as file:
     for row in out: print(*row, file=file)
 peak = max(out, key=lambda row: row[1])
 angle = math.degrees(math.asin((peak[1] - 1) / (peak[1] + 1)))
-run = json.load(open(name + "/run.json"))
-s = run["summary"]
 total = lambda c: sum(float(r[c]) for r in rows)
 print("| %s | %.1f %% | %.2f | %.1f | %.1f %% | %.2f | %.2f | %.3f | %d | %d | %d | %.0f |" % (
     name, 100 * out[-1][0], peak[1], angle, 100 * peak[0], out[-1][1], out[-1][3], max(r[4] for r in out),
