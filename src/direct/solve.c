@@ -19,7 +19,7 @@ static const struct stage_rule {
       rest; /* residual at the end of a stage, but the last; below it the same grains bear the pressure ... */
   double again; /* ... until it is above this */
   int most;     /* stages of a substep */
-} rule = {.length = 0.25, .loose = 1e-3, .rest = 1e-2, .again = 0.5, .most = 64};
+} rule = {.length = 0.25, .loose = 1e-3, .rest = 1e-2, .again = 0.03, .most = 64};
 enum { PORTION = 5000, LOOK = 300 }; /* relaxation steps between two requests to stop; between two looks */
 
 static bool solve_ramps(const gh_direct *d) {
@@ -118,10 +118,11 @@ static gh_status stage_fail(gh_direct *d, const attempt *a, double residual, dou
 }
 
 /* Grains that have come between those that bear a pressure bear it, too, else they would be pressed out: which do is
- * looked at until the packing is nearly at rest, and again where it leaves that. */
-static gh_status stage_look(gh_direct *d, attempt *a) {
+ * looked at until the packing is nearly at rest, and again where it leaves that or takes long: a grain may have
+ * come loose under its load. */
+static gh_status stage_look(gh_direct *d, attempt *a, bool converged) {
   const double residual = a->report->residual;
-  if (a->settled && !(a->exposed && residual > rule.again)) return GH_OK;
+  if (a->settled && !(a->exposed && (residual > rule.again || !converged))) return GH_OK;
   a->settled = residual <= rule.rest;
   return stage_load(d, a);
 }
@@ -144,7 +145,7 @@ static gh_status stage_relax(gh_direct *d, attempt *a, double tolerance) {
     if (gh_within(a->report->residual, target)) return GH_OK;
     if (a->left <= 0 || r.steps < 1) return stage_fail(d, a, a->report->residual, tolerance);
     if (a->settled && r.converged) asked *= 0.5 * fmin(1, tolerance / a->report->residual);
-    GH_TRY(stage_look(d, a));
+    GH_TRY(stage_look(d, a, r.converged));
   }
 }
 
