@@ -49,8 +49,8 @@ GH_API void gh_picture_string(gh_text *out, const char *text);
  * difference itself. The scatter is the standard deviation of the others (with n - 1), from two on. */
 typedef struct gh_comparison gh_comparison;
 enum { GH_COMPARED_MOST = 32 };
-/* GH_INPUT: no folder of results, no or too many others, another driven set or another displacement of it, no
- * column or no increment in common, no reaction that is not zero. */
+/* GH_INPUT: no folder of results, no or too many others, another driven set or another displacement of it at
+ * the end of a load step, no column or no increment in common, no reaction that is not zero. */
 GH_API gh_status gh_comparison_create(gh_context *ctx, const char *folder, const char *const *others,
                                       int nothers, gh_comparison **comparison);
 GH_API void gh_comparison_destroy(gh_comparison **comparison);

@@ -91,7 +91,7 @@ sed -i 's/top_x,top_y/one,two/' bare/history.csv
 mkdir empty
 refused_by compare "no other folder" "a second folder is needed, to compare '../run' to" ../run
 refused_by compare "no folder" "two folders of results are needed"
-refused_by compare "another displacement" "../faster/history.csv: uy_top is -2 at load step 0.5, ../run has -1: not the same loading" ../run ../faster
+refused_by compare "another displacement" "../faster/history.csv: uy_top is -4 at load step 1, ../run has -2: not the same loading" ../run ../faster
 refused_by compare "no reaction but zero" "no reaction but zero" ../run ../zero
 refused_by compare "load steps that stand" "../back/history.csv:3: the load steps in the column \`time\` do not increase" ../run ../back
 refused_by compare "no increment in common" "no increment in common" ../run ../early

@@ -195,8 +195,10 @@ same() {
   printf '%s\n' 'include head.in' "$2" "$3" "$tell2" >in.x
   right "$1" ecoul "$still" 1e-9 sxx "$stress" 1e-6
 }
-stays() {
-  for last in 'run 0' 'run 100' 'run 100 pre no'; do
+stays() { # on two ranks a selection
+  local lasts=('run 0' 'run 100' 'run 100 pre no') moves=('$(lx) 0' '$(2*lx) 0' '$(-lx) $(ly)' '$(0.5*lx) $(0.9999*ly)')
+  [ ${#ranks[@]} = 0 ] || lasts=('run 100' 'run 100 pre no') moves=('$(-lx) $(ly)')
+  for last in "${lasts[@]}"; do
     printf '%s\n' 'include head.in' "$last" "$tell2" >in.x
     right "$1as it is: $last"
     still=$(value ecoul) stress=$(value sxx)
@@ -210,7 +212,7 @@ reset_atom_ids sort yes
 neigh_modify check no' "$last"
       continue
     fi
-    for move in '$(lx) 0' '$(2*lx) 0' '$(-lx) $(ly)' '$(0.5*lx) $(0.9999*ly)'; do
+    for move in "${moves[@]}"; do
       same "$1moved as a whole by $move, $last" "displace_atoms all move $move 0 units box" "$last"
     done
     same "$1one moved by a period, $last" 'group one id 24
