@@ -72,8 +72,8 @@ void Error::all(const std::string &file, int line, const std::string &text) {
 void Error::one(const std::string &file, int line, const std::string &text) {
   if (!granhom::in_guarded_call()) lammps_own(this, static_cast<plain>(&Error::one), file, line, text);
   std::string message = located(file, line, text);
-  int me;
-  MPI_Comm_rank(world, &me);
+  int me = 0;
+  if (world) MPI_Comm_rank(world, &me); /* without one, memory was short while LAMMPS came up */
   if (screen || logfile)
     utils::logmesg(lmp, "ERROR on proc " + std::to_string(me) + ": " + message +
                             "\nLast command: " + (input && input->line ? input->line : "(none)") + "\n");
